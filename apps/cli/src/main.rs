@@ -1,0 +1,2 @@
+//! The chiaro command line.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Marks on paper: label images to smooth borders and drawn pixel lines.

@@ -1,0 +1,1 @@
+//! Exact minimal cuts on pixel grids, with the canonical labelling.

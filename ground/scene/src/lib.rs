@@ -1,0 +1,1 @@
+//! Animated 3D scenes: meshes, materials, lights, cameras, tracks, loaders, demo scenes.

@@ -1,0 +1,1 @@
+//! Rays into scenes: closest hits, shadows, geometry buffers, appearance channels.

@@ -1,0 +1,1 @@
+//! Scenes and knobs to jobs and files: the facade of chiaro.

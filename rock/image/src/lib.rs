@@ -1,0 +1,1 @@
+//! Planes of pixels, colour, filters, codecs and picture metrics.
