@@ -1,1 +1,5 @@
 //! Planes of pixels, colour, filters, codecs and picture metrics.
+
+mod plane;
+
+pub use plane::Plane;
