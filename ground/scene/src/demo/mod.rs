@@ -1,0 +1,1 @@
+//! Procedural scenes, built in code.

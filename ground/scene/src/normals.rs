@@ -1,0 +1,1 @@
+//! Shading normals for meshes whose file has none.

@@ -1,0 +1,1 @@
+//! Adjacency of a mesh welded over its whole animation.
