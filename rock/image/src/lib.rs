@@ -1,5 +1,8 @@
 //! Planes of pixels, colour, filters, codecs and picture metrics.
 
+pub mod colour;
+pub mod filter;
 mod plane;
+pub mod statistics;
 
 pub use plane::Plane;
