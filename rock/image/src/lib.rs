@@ -1,5 +1,6 @@
 //! Planes of pixels, colour, filters, codecs and picture metrics.
 
+pub mod codec;
 pub mod colour;
 pub mod filter;
 mod plane;

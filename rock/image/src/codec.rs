@@ -1,0 +1,17 @@
+//! Pictures to bytes and back: PNG, JPEG (reading only), PBM and OpenEXR.
+//!
+//! Codecs take and give bytes, never files, so that the caller alone decides how a file appears on
+//! disk. What they write depends on the picture and the recipe alone. What they read may be
+//! hostile: sizes are checked against [`Limits`] and against what a file of that length can hold
+//! *before* memory is asked for, and anything wrong is one sentence that names the file.
+
+mod jpeg;
+mod limits;
+mod pbm;
+mod picture;
+mod png;
+
+pub use limits::Limits;
+pub use pbm::{read_pbm, write_pbm};
+pub use picture::{Format, read_components, read_picture};
+pub use png::{read_png_recipe, write_png_bits, write_png_grey, write_png_rgb, write_png_rgba};
