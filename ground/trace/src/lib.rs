@@ -1,1 +1,23 @@
-//! Rays into scenes: closest hits, shadows, geometry buffers, appearance channels.
+//! Rays into scenes: closest hits, shadows, geometry buffers and appearance channels.
+//!
+//! ```text
+//! Frame --Tracer--> rays --GBuffer--> what is seen --channels--> how it looks, in [0, 1]
+//! ```
+
+pub mod channel;
+mod gbuffer;
+mod light;
+mod mip;
+mod motion;
+mod occlusion;
+mod surface;
+mod tracer;
+mod triangle;
+pub mod view;
+
+pub use gbuffer::GBuffer;
+pub use light::{Arrival, KEY_FROM, Lamp};
+pub use motion::motion;
+pub use occlusion::ambient_occlusion;
+pub use surface::{Surface, Surfaces};
+pub use tracer::{Hit, Ray, Sides, Tracer};

@@ -1,0 +1,235 @@
+//! Appearance channels (thesis, section 3.5.1): what the light does, as numbers in [0, 1].
+//!
+//! | channel | value |
+//! |---|---|
+//! | [`diffuse`] | Lambert's cosine, with or without shadow |
+//! | [`specular`] | Beckmann's lobe, 1 at its peak |
+//! | [`headlamp`] | n.v, darkest on the silhouette |
+//! | [`reflection`] | the mirror image of a studio: bright above, dark below, the scene between |
+//! | [`luminance`] | the base colour's lightness |
+//!
+//! Ambient occlusion has a file of its own. A pixel without geometry is 0 in every channel.
+
+use crate::gbuffer::GBuffer;
+use crate::light::{Arrival, Lamp};
+use crate::surface::Surfaces;
+use crate::tracer::{Ray, Sides, Tracer};
+use chiaro_basis::math::Vec3;
+use chiaro_basis::{Result, Run};
+use chiaro_image::{Plane, colour};
+
+/// Light on every pixel, with and without shadow.
+#[derive(Clone, Debug)]
+pub struct Diffuse {
+    /// Lambert's cosine, nothing being in the way.
+    pub plain: Plane<f32>,
+    /// The same where the lamp is seen, 0 where something is in the way.
+    pub shadowed: Plane<f32>,
+    /// The share of light that faces lamps and that reaches the surface; 1 when none faces them.
+    pub reach: f32,
+}
+
+/// The diffuse channel. One parallel lamp gives the cosine itself; other lamps are summed by their
+/// illuminance and tone-mapped by E / (E + median E), so that any wattage ends in [0, 1].
+pub fn diffuse(tracer: &Tracer, buffer: &GBuffer, lamps: &[Lamp], run: &Run) -> Result<Diffuse> {
+    let sums = buffer.over_covered(|x, y| {
+        if run.check().is_err() {
+            return [0.0; 2];
+        }
+        illuminance(tracer, buffer, lamps, (x, y))
+    });
+    run.check()?;
+    let middle = match lamps {
+        [lamp] if lamp.kind == chiaro_scene::LightKind::Directional => None,
+        _ => Some(median_of_lit(&sums, &buffer.covered)),
+    };
+    let strength = lamps.first().map_or(1.0, |l| l.strength);
+    let tone = |e: f32| match middle {
+        None => (e / strength).clamp(0.0, 1.0),
+        Some(m) => e / (e + m),
+    };
+    Ok(Diffuse {
+        plain: sums.map(|e| tone(e[0])),
+        shadowed: sums.map(|e| tone(e[1])),
+        reach: share_that_arrives(&sums),
+    })
+}
+
+/// Illuminance without and with shadow, lux.
+fn illuminance(
+    tracer: &Tracer,
+    buffer: &GBuffer,
+    lamps: &[Lamp],
+    pixel: (usize, usize),
+) -> [f32; 2] {
+    let position = Vec3::from(buffer.position[pixel]);
+    let normal = Vec3::from(buffer.normal[pixel]);
+    let mut sum = [0.0; 2];
+    for arrival in lamps.iter().filter_map(|l| l.arrival(position)) {
+        let e = arrival.strength * normal.dot(arrival.towards).max(0.0);
+        if e > 0.0 {
+            sum[0] += e;
+            sum[1] += if in_shadow(tracer, buffer, pixel, &arrival) { 0.0 } else { e };
+        }
+    }
+    sum
+}
+
+/// Whether something stands between a pixel's surface and the light. The ray starts on the smooth
+/// surface that the vertex normals span (Hanika 2021), or coarse meshes show saw-tooth
+/// terminators.
+fn in_shadow(
+    tracer: &Tracer,
+    buffer: &GBuffer,
+    pixel: (usize, usize),
+    arrival: &Arrival,
+) -> bool {
+    let smooth = Vec3::from(buffer.smooth_normal[pixel]);
+    if smooth.dot(arrival.towards) <= 0.0 {
+        return true;
+    }
+    let lift = lifted(tracer, buffer, pixel);
+    let start = lift + smooth * (1e-4 * buffer.radius);
+    let reach = arrival.distance * (1.0 - 1e-4);
+    tracer.occluded(&Ray { origin: start, direction: arrival.towards, t_max: reach })
+}
+
+/// The pixel's point moved onto the smooth surface: the barycentric mean of its projections onto
+/// the planes at the three vertices, where those lie outside.
+fn lifted(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize)) -> Vec3 {
+    let hit = buffer.hit[pixel];
+    let point = Vec3::from(buffer.position[pixel]);
+    let side = Vec3::from(buffer.geometric_normal[pixel]);
+    let object = tracer.object(&hit);
+    let shape = &tracer.frame.shapes[object.shape];
+    let corners = tracer.mesh(&hit).triangles[hit.face as usize].map(|v| v as usize);
+    let for_normals = object.normal_from_shape();
+    let weights = [1.0 - hit.b[0] - hit.b[1], hit.b[0], hit.b[1]];
+    let mut offset = Vec3::ZERO;
+    for (v, w) in corners.into_iter().zip(weights) {
+        let n = (for_normals * shape.normals[v]).normalize_or_zero();
+        let n = if n.dot(side) < 0.0 { -n } else { n };
+        let corner = object.world_from_shape.transform_point3(shape.positions[v]);
+        offset -= n * (w * (point - corner).dot(n).min(0.0));
+    }
+    point + offset
+}
+
+/// The median over pixels that any lamp lights; 1 when there is none.
+fn median_of_lit(sums: &Plane<[f32; 2]>, covered: &Plane<bool>) -> f32 {
+    let lit = sums.pixels().iter().zip(covered.pixels()).filter(|(e, c)| **c && e[0] > 0.0);
+    let mut values: Vec<f32> = lit.map(|(e, _)| e[0]).collect();
+    if values.is_empty() {
+        return 1.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+fn share_that_arrives(sums: &Plane<[f32; 2]>) -> f32 {
+    let facing = sums.pixels().iter().filter(|e| e[0] > 0.0).count();
+    let lit = sums.pixels().iter().filter(|e| e[1] > 0.0).count();
+    if facing == 0 { 1.0 } else { lit as f32 / facing as f32 }
+}
+
+/// The specular channel: Beckmann's distribution of half vectors relative to its peak,
+/// exp(-tan^2 / m^2) / cos^4, with m the square of `roughness` (the material's where `None`).
+pub fn specular(
+    buffer: &GBuffer,
+    lamps: &[Lamp],
+    roughness: Option<f32>,
+    shadow: Option<&Diffuse>,
+) -> Plane<f32> {
+    buffer.over_covered(|x, y| {
+        let position = Vec3::from(buffer.position[(x, y)]);
+        let normal = Vec3::from(buffer.normal[(x, y)]);
+        let eye = buffer.to_eye(position);
+        let rough = roughness.unwrap_or(buffer.roughness[(x, y)]).clamp(0.15, 1.0);
+        let seen = shadow.is_none_or(|d| d.shadowed[(x, y)] > 0.0);
+        let lobe = |a: Arrival| match normal.dot(a.towards) > 0.0 && seen {
+            true => beckmann(normal.dot((a.towards + eye).normalize_or(normal)), rough * rough),
+            false => 0.0,
+        };
+        lamps.iter().filter_map(|l| l.arrival(position)).map(lobe).fold(0.0, f32::max)
+    })
+}
+
+/// Beckmann's lobe relative to its peak, for the cosine between normal and half vector.
+fn beckmann(cos: f32, m: f32) -> f32 {
+    if cos <= 0.0 {
+        return 0.0;
+    }
+    let cos2 = cos * cos;
+    let tan2 = (1.0 - cos2).max(0.0) / cos2;
+    ((-tan2 / (m * m)).exp() / (cos2 * cos2)).min(1.0)
+}
+
+/// The head-lamp channel: the cosine between normal and direction to the eye.
+pub fn headlamp(buffer: &GBuffer) -> Plane<f32> {
+    buffer.over_covered(|x, y| {
+        let eye = buffer.to_eye(Vec3::from(buffer.position[(x, y)]));
+        eye.dot(Vec3::from(buffer.normal[(x, y)])).clamp(0.0, 1.0)
+    })
+}
+
+/// The luminance channel: sRGB-encoded luminance of base colour and emission.
+pub fn luminance(buffer: &GBuffer) -> Plane<f32> {
+    buffer.over_covered(|x, y| {
+        let (c, e) = (buffer.base_colour[(x, y)], buffer.emissive[(x, y)]);
+        let sum = std::array::from_fn(|i| c[i] + e[i]);
+        colour::srgb_encode(colour::luminance(sum).clamp(0.0, 1.0))
+    })
+}
+
+/// The reflection channel: what a mirror in the surface's place would show of a studio whose
+/// softbox hangs above, whose floor is dark, and in which the scene itself stands, lit by a head
+/// lamp.
+pub fn reflection(
+    tracer: &Tracer,
+    surfaces: &Surfaces,
+    buffer: &GBuffer,
+    run: &Run,
+) -> Result<Plane<f32>> {
+    let plane = buffer.over_covered(|x, y| {
+        if run.check().is_err() {
+            return 0.0;
+        }
+        let position = Vec3::from(buffer.position[(x, y)]);
+        let normal = Vec3::from(buffer.normal[(x, y)]);
+        let eye = buffer.to_eye(position);
+        let direction = (normal * (2.0 * normal.dot(eye)) - eye).normalize_or(normal);
+        let side = Vec3::from(buffer.geometric_normal[(x, y)]);
+        let origin = position + side * (1e-4 * buffer.radius);
+        let ray = Ray { origin, direction, t_max: f32::INFINITY };
+        match tracer.hit(&ray, Sides::Both) {
+            Some(hit) => {
+                let seen = surfaces.at(tracer, &hit, direction, 0.0);
+                0.5 * seen.normal.dot(-direction).clamp(0.0, 1.0)
+            }
+            None => studio(direction),
+        }
+    });
+    run.check()?;
+    Ok(plane)
+}
+
+/// The studio's luminance in a direction: a floor, a horizon, a softbox.
+fn studio(direction: Vec3) -> f32 {
+    let smooth = |a: f32, b: f32, x: f32| {
+        let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    };
+    0.1 + 0.35 * smooth(-0.1, 0.1, direction.y) + 0.55 * smooth(0.45, 0.6, direction.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beckmann_peaks_at_one_and_narrows_with_smoothness() {
+        assert_eq!(beckmann(1.0, 0.3), 1.0);
+        assert!(beckmann(0.95, 0.1) < beckmann(0.95, 0.4));
+        assert_eq!(beckmann(-0.2, 0.4), 0.0);
+    }
+}

@@ -1,0 +1,114 @@
+//! Direct light: the scene's lamps, or a key light that flatters the shape.
+
+use chiaro_basis::math::Vec3;
+use chiaro_image::colour::luminance;
+use chiaro_scene::{Frame, LightKind, Pose};
+
+/// One lamp in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Lamp {
+    /// Its place; unused by parallel light.
+    pub position: Vec3,
+    /// Unit vector along which it shines; unused by point lights.
+    pub direction: Vec3,
+    /// What shines.
+    pub kind: LightKind,
+    /// Luminous strength: lux for parallel light, candela for the others.
+    pub strength: f32,
+    /// Beyond this distance it is dark.
+    pub range: f32,
+}
+
+/// Light that arrives at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// Unit vector to the lamp.
+    pub towards: Vec3,
+    /// Distance to the lamp, infinite for parallel light.
+    pub distance: f32,
+    /// Illuminance on a surface that faces the lamp, lux.
+    pub strength: f32,
+}
+
+/// The key light of scenes that have none, in the axes of the camera: from above, on the left, on
+/// the viewer's side (x right, y up, z to the viewer).
+pub const KEY_FROM: [f32; 3] = [-0.55, 0.65, 0.52];
+
+impl Lamp {
+    /// The frame's lamps, those of no strength left out.
+    pub fn of_frame(frame: &Frame) -> Vec<Self> {
+        let lamps = frame.lights.iter().map(|(light, world)| Self {
+            position: world.translation.into(),
+            direction: world.transform_vector3(-Vec3::Z).normalize_or(-Vec3::Y),
+            kind: light.kind,
+            strength: light.intensity * luminance(light.colour),
+            range: light.range,
+        });
+        lamps.filter(|l| l.strength > 0.0 && l.strength.is_finite()).collect()
+    }
+
+    /// The key light for a camera.
+    pub fn key(pose: &Pose) -> Self {
+        let [x, y, z] = KEY_FROM;
+        let from = pose.right * x + pose.up * y - pose.forward * z;
+        Self::sun(-from.normalize())
+    }
+
+    /// Parallel light of unit strength along `direction`.
+    pub fn sun(direction: Vec3) -> Self {
+        Self {
+            position: Vec3::ZERO,
+            direction: direction.normalize_or(-Vec3::Y),
+            kind: LightKind::Directional,
+            strength: 1.0,
+            range: f32::INFINITY,
+        }
+    }
+
+    /// The light that arrives at `point` if nothing is in the way; `None` where it is dark.
+    pub fn arrival(&self, point: Vec3) -> Option<Arrival> {
+        if self.kind == LightKind::Directional {
+            let towards = -self.direction;
+            return Some(Arrival { towards, distance: f32::INFINITY, strength: self.strength });
+        }
+        let offset = self.position - point;
+        let distance = offset.length();
+        if distance == 0.0 || distance > self.range {
+            return None;
+        }
+        let towards = offset / distance;
+        let strength = self.strength / (distance * distance) * self.cone(-towards);
+        (strength > 0.0).then_some(Arrival { towards, distance, strength })
+    }
+
+    /// The spot's angular falloff (KHR_lights_punctual), 1 for point lights.
+    fn cone(&self, outward: Vec3) -> f32 {
+        let LightKind::Spot { inner, outer } = self.kind else { return 1.0 };
+        let (full, dark) = (inner.cos(), outer.cos());
+        let t = (self.direction.dot(outward) - dark) / (full - dark).max(1e-4);
+        t.clamp(0.0, 1.0).powi(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::math::vec3;
+
+    #[test]
+    fn strength_falls_with_the_square_of_the_distance_inside_the_range() {
+        let lamp = Lamp { kind: LightKind::Point, strength: 8.0, range: 3.0, ..Lamp::sun(Vec3::X) };
+        assert_eq!(lamp.arrival(vec3(0.0, 2.0, 0.0)).unwrap().strength, 2.0);
+        assert!(lamp.arrival(vec3(0.0, 3.5, 0.0)).is_none());
+    }
+
+    #[test]
+    fn spots_are_full_inside_and_dark_outside() {
+        let kind = LightKind::Spot { inner: 0.3, outer: 0.6 };
+        let lamp = Lamp { kind, ..Lamp::sun(-Vec3::Y) };
+        let at = |angle: f32| lamp.arrival(vec3(angle.tan(), -1.0, 0.0)).map_or(0.0, |a| a.strength);
+        assert_eq!(at(0.0), 1.0);
+        assert!(at(0.45) < at(0.3) && at(0.45) > 0.0);
+        assert_eq!(at(0.7), 0.0);
+    }
+}
