@@ -1,1 +1,34 @@
-//! Binary shading: black and white from appearance and geometry by a minimal cut (thesis, chapter 3).
+//! Binary shading: black and white from appearance and geometry by a minimal cut over the image
+//! (thesis, chapter 3).
+//!
+//! ```text
+//! Scene, camera --Lit--> Channels --Exposure--> terminal weights --+
+//!                        GBuffer ------------> neighbour weights --+-> Graph -> Labels -> Lines -> picture
+//! ```
+//!
+//! 1. [`Channels`]: the appearance channels that the style mixes (3.5.1).
+//! 2. [`expose`]: levels and threshold, once for a shot.
+//! 3. [`shade`]: weights (3.1 to 3.9), the cut, islands, lines.
+//! 4. [`compose`]: regions and lines as one grey picture.
+
+mod appearance;
+mod compose;
+mod cut;
+mod exposure;
+mod geometry;
+mod island;
+mod knob;
+mod line;
+mod shade;
+mod terminal;
+
+pub use appearance::{Channel, Channels, Lit};
+pub use compose::{Marks, compose, one_bit};
+pub use cut::{Border, Graph, Labels};
+pub use exposure::{Exposure, LEAST_REACH, Sample, local_contrast, mixed_tone};
+pub use geometry::{EDGES, angle, depth_step, neighbour_factors};
+pub use island::without_islands;
+pub use knob::{BinaryKnobs, CurvatureForm, DepthForm, Model, REFERENCE_HEIGHT, scaled};
+pub use line::Lines;
+pub use shade::{Steps, View, expose, shade};
+pub use terminal::terminal;

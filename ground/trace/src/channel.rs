@@ -31,12 +31,20 @@ pub struct Diffuse {
 
 /// The diffuse channel. One parallel lamp gives the cosine itself; other lamps are summed by their
 /// illuminance and tone-mapped by E / (E + median E), so that any wattage ends in [0, 1].
-pub fn diffuse(tracer: &Tracer, buffer: &GBuffer, lamps: &[Lamp], run: &Run) -> Result<Diffuse> {
+///
+/// Without `shadows` no ray is cast, and both planes are the same.
+pub fn diffuse(
+    tracer: &Tracer,
+    buffer: &GBuffer,
+    lamps: &[Lamp],
+    shadows: bool,
+    run: &Run,
+) -> Result<Diffuse> {
     let sums = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return [0.0; 2];
         }
-        illuminance(tracer, buffer, lamps, (x, y))
+        illuminance(tracer, buffer, lamps, shadows, (x, y))
     });
     run.check()?;
     let middle = match lamps {
@@ -60,6 +68,7 @@ fn illuminance(
     tracer: &Tracer,
     buffer: &GBuffer,
     lamps: &[Lamp],
+    shadows: bool,
     pixel: (usize, usize),
 ) -> [f32; 2] {
     let position = Vec3::from(buffer.position[pixel]);
@@ -69,7 +78,8 @@ fn illuminance(
         let e = arrival.strength * normal.dot(arrival.towards).max(0.0);
         if e > 0.0 {
             sum[0] += e;
-            sum[1] += if in_shadow(tracer, buffer, pixel, &arrival) { 0.0 } else { e };
+            let dark = shadows && in_shadow(tracer, buffer, pixel, &arrival);
+            sum[1] += if dark { 0.0 } else { e };
         }
     }
     sum
@@ -78,12 +88,7 @@ fn illuminance(
 /// Whether something stands between a pixel's surface and the light. The ray starts on the smooth
 /// surface that the vertex normals span (Hanika 2021), or coarse meshes show saw-tooth
 /// terminators.
-fn in_shadow(
-    tracer: &Tracer,
-    buffer: &GBuffer,
-    pixel: (usize, usize),
-    arrival: &Arrival,
-) -> bool {
+fn in_shadow(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize), arrival: &Arrival) -> bool {
     let smooth = Vec3::from(buffer.smooth_normal[pixel]);
     if smooth.dot(arrival.towards) <= 0.0 {
         return true;

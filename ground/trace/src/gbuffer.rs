@@ -60,7 +60,9 @@ impl GBuffer {
             .into_par_iter()
             .map(|y| {
                 run.check()?;
-                Ok((0..width).map(|x| pixel(tracer, surfaces, pose, (x, y), (width, height))).collect())
+                Ok((0..width)
+                    .map(|x| pixel(tracer, surfaces, pose, (x, y), (width, height)))
+                    .collect())
             })
             .collect::<Result<_>>()?;
         let seen = Plane::from_pixels(width, height, rows.into_iter().flatten().collect());

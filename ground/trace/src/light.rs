@@ -106,7 +106,8 @@ mod tests {
     fn spots_are_full_inside_and_dark_outside() {
         let kind = LightKind::Spot { inner: 0.3, outer: 0.6 };
         let lamp = Lamp { kind, ..Lamp::sun(-Vec3::Y) };
-        let at = |angle: f32| lamp.arrival(vec3(angle.tan(), -1.0, 0.0)).map_or(0.0, |a| a.strength);
+        let at =
+            |angle: f32| lamp.arrival(vec3(angle.tan(), -1.0, 0.0)).map_or(0.0, |a| a.strength);
         assert_eq!(at(0.0), 1.0);
         assert!(at(0.45) < at(0.3) && at(0.45) > 0.0);
         assert_eq!(at(0.7), 0.0);

@@ -135,7 +135,8 @@ impl<'a> Corners<'a> {
             let along = (along - normal * along.dot(normal)).try_normalize()?;
             return Some((along, normal.cross(along) * t[0].w));
         }
-        let (e1, e2) = (self.positions[1] - self.positions[0], self.positions[2] - self.positions[0]);
+        let (e1, e2) =
+            (self.positions[1] - self.positions[0], self.positions[2] - self.positions[0]);
         let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
         let det = d1.x * d2.y - d1.y * d2.x;
         if det == 0.0 {

@@ -388,8 +388,7 @@ fn reorder(placed: Vec<Placed>, order: &[u32]) -> Vec<Placed> {
 
 impl Group {
     fn build(list: Vec<Face>, scene: &Scene, frame: &Frame) -> Self {
-        let triangles: Vec<[Vec3; 3]> =
-            list.par_iter().map(|f| corners(f, scene, frame)).collect();
+        let triangles: Vec<[Vec3; 3]> = list.par_iter().map(|f| corners(f, scene, frame)).collect();
         let boxes = build(&triangle_boxes(&triangles), true);
         Self::from_tree(boxes, &list, &triangles)
     }
@@ -410,8 +409,7 @@ impl Group {
 
     fn refit(mut self, scene: &Scene, frame: &Frame) -> Self {
         let list = self.unsorted();
-        let triangles: Vec<[Vec3; 3]> =
-            list.par_iter().map(|f| corners(f, scene, frame)).collect();
+        let triangles: Vec<[Vec3; 3]> = list.par_iter().map(|f| corners(f, scene, frame)).collect();
         let boxes = triangle_boxes(&triangles);
         self.boxes.init_primitives_to_nodes_if_uninit();
         for (face, aabb) in boxes.iter().enumerate() {
@@ -442,10 +440,7 @@ fn triangle_boxes(triangles: &[[Vec3; 3]]) -> Vec<Aabb> {
         .map(|t| t.iter().fold(0.0f32, |m, p| m.max(p.abs().max_element())))
         .reduce(|| 0.0, f32::max);
     let pad = 4.0 * f32::EPSILON * extent;
-    triangles
-        .par_iter()
-        .map(|t| padded(Aabb::from_points(&t.map(Vec3A::from)), pad))
-        .collect()
+    triangles.par_iter().map(|t| padded(Aabb::from_points(&t.map(Vec3A::from)), pad)).collect()
 }
 
 fn padded(b: Aabb, pad: f32) -> Aabb {

@@ -77,8 +77,7 @@ mod tests {
     use super::*;
     use chiaro_basis::math::vec3;
 
-    const T: [Vec3; 3] =
-        [vec3(0.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0)];
+    const T: [Vec3; 3] = [vec3(0.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0)];
 
     #[test]
     fn crossings_have_distance_and_barycentrics() {

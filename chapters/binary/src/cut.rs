@@ -1,0 +1,124 @@
+//! From weights to labels: fixed-point capacities, the minimal cut, and its measures.
+
+use crate::geometry::EDGES;
+use crate::knob::{BinaryKnobs, REFERENCE_HEIGHT};
+use chiaro_basis::{Error, Result};
+use chiaro_image::Plane;
+use chiaro_mincut::Grid;
+use std::f32::consts::FRAC_1_SQRT_2;
+
+/// The graph of a picture in integers.
+#[derive(Clone, Debug)]
+pub struct Graph {
+    /// Which pixels are nodes.
+    pub mask: Plane<bool>,
+    /// Capacities to white and to black; at each pixel the smaller one is 0.
+    pub terminal: Plane<[i32; 2]>,
+    /// Capacities to E, SE, S, SW.
+    pub neighbour: Plane<[i32; 4]>,
+    /// Units of capacity in a weight of 1.
+    pub scale: f32,
+}
+
+/// A cut of a [`Graph`].
+#[derive(Clone, Debug)]
+pub struct Labels {
+    /// White where true; black, or nothing, elsewhere.
+    pub white: Plane<bool>,
+    /// The maximal flow, in units of capacity.
+    pub flow: i64,
+    /// The cut's capacity; equal to the flow.
+    pub cut: i64,
+}
+
+/// Capacities stay in 14 bits for weights up to 1, and the solver has its fast form for those.
+const UNITS: f32 = 8192.0;
+const LARGEST: f32 = 16_000.0;
+
+impl Graph {
+    /// Rounds weights to units: N~ of the knobs times `factors` between neighbours, and
+    /// `difference` (W - B) at the terminals. The scale depends on knobs and height alone, so that
+    /// the frames of a shot agree.
+    pub fn new(
+        mask: &Plane<bool>,
+        difference: &Plane<f32>,
+        factors: &Plane<[f32; 4]>,
+        knobs: &BinaryKnobs,
+    ) -> Self {
+        let strength = knobs.neighbour * mask.height() as f32 / REFERENCE_HEIGHT;
+        let scale = UNITS.min(LARGEST / strength.max(1e-6));
+        let diagonal = if knobs.diagonal { FRAC_1_SQRT_2 } else { 1.0 };
+        let along = [1.0, diagonal, 1.0, diagonal].map(|d| d * strength * scale);
+        let terminal = difference
+            .zip(mask, |d, m| {
+                // Beyond 4 a pixel is as good as bound.
+                let units = (d.clamp(-4.0, 4.0) * scale).round() as i32;
+                if *m { [units.max(0), (-units).max(0)] } else { [0, 0] }
+            })
+            .expect("weights have the picture's size");
+        let neighbour = factors.map(|f| std::array::from_fn(|e| (f[e] * along[e]).round() as i32));
+        Self { mask: mask.clone(), terminal, neighbour, scale }
+    }
+
+    /// The minimal cut.
+    pub fn solve(&self) -> Result<Labels> {
+        let (width, height) = self.mask.size();
+        let cut = chiaro_mincut::solve(&self.grid())
+            .map_err(|e| Error::setting("neighbour", e, "weights that the cut can add up"))?;
+        let white = Plane::from_pixels(width, height, cut.labels);
+        Ok(Labels { white, flow: cut.flow, cut: cut.cut })
+    }
+
+    /// The energy of any labelling.
+    pub fn energy(&self, white: &Plane<bool>) -> i64 {
+        chiaro_mincut::energy(&self.grid(), white.pixels())
+    }
+
+    fn grid(&self) -> Grid<'_> {
+        let (width, height) = self.mask.size();
+        Grid {
+            width,
+            height,
+            mask: self.mask.pixels(),
+            terminal: self.terminal.pixels(),
+            neighbour: self.neighbour.pixels(),
+        }
+    }
+}
+
+/// How much of the border runs on features.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Border {
+    /// Horizontal and vertical pairs of different label.
+    pub pairs: u64,
+    /// Share of feature pairs among those.
+    pub on_features: f64,
+    /// Share of feature pairs among all pairs.
+    pub by_chance: f64,
+}
+
+impl Border {
+    /// Counts horizontal and vertical pairs; a feature pair's factor is under half of the largest.
+    pub fn measure(white: &Plane<bool>, mask: &Plane<bool>, factors: &Plane<[f32; 4]>) -> Self {
+        let largest = factors.pixels().iter().flat_map(|f| [f[0], f[2]]).fold(0.0, f32::max);
+        let (mut all, mut features, mut border, mut both) = (0u64, 0u64, 0u64, 0u64);
+        for y in 0..mask.height() {
+            for x in 0..mask.width() {
+                for e in [0, 2] {
+                    let (u, v) = (x as isize + EDGES[e].0, y as isize + EDGES[e].1);
+                    if !mask[(x, y)] || mask.at(u, v) != Some(&true) {
+                        continue;
+                    }
+                    let feature = factors[(x, y)][e] < 0.5 * largest;
+                    let differs = white[(x, y)] != white[(u as usize, v as usize)];
+                    all += 1;
+                    features += u64::from(feature);
+                    border += u64::from(differs);
+                    both += u64::from(feature && differs);
+                }
+            }
+        }
+        let share = |a: u64, b: u64| if b == 0 { 0.0 } else { a as f64 / b as f64 };
+        Self { pairs: border, on_features: share(both, border), by_chance: share(features, all) }
+    }
+}

@@ -1,0 +1,119 @@
+//! The knobs of binary shading: the one table.
+//!
+//! Lengths are in pixels of a picture 480 pixels high and grow with the picture, areas with its
+//! square; the neighbour weight grows with the height, since terminals add up over areas and
+//! borders over lengths.
+
+use chiaro_basis::{choice, knobs};
+
+choice! {
+    /// How terminal weights are made of channels.
+    pub enum Model {
+        /// One tone, mixed from the channels, stretched and exposed.
+        #[default]
+        Tone = "tone",
+        /// The thesis's sum over channels, (3.1) with (3.5).
+        Thesis = "thesis",
+    }
+}
+
+choice! {
+    /// How depth differences are measured.
+    pub enum DepthForm {
+        /// The step off the tangent planes, in parts of R.
+        #[default]
+        Plane = "plane",
+        /// The difference of distances to the camera, in parts of R: (3.6) as printed.
+        Raw = "raw",
+    }
+}
+
+choice! {
+    /// How the mean curvature of (3.8) is found.
+    pub enum CurvatureForm {
+        /// From one Gaussian of the normal field, at a cost that does not depend on c.
+        #[default]
+        Fast = "fast",
+        /// From all pixels of the window, each angle divided by its distance.
+        Exact = "exact",
+        /// As printed, but normalised: angles are not divided by their distance.
+        Raw = "raw",
+    }
+}
+
+knobs! {
+    /// How a picture becomes black and white.
+    pub struct BinaryKnobs {
+        model: Model = Model::Tone, Choice(Model::WORDS), "(3.1)", "", "how terminal weights are made of channels";
+
+        half: f32 = 0.5, Number { min: 0.0, max: 1.0 }, "", "", "share of half-shadowed diffuse light in the tone";
+        lit: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "share of fully shadowed diffuse light in the tone";
+        diffuse: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "share of unshadowed diffuse light in the tone";
+        headlamp: f32 = 0.2, Number { min: 0.0, max: 1.0 }, "", "", "share of the head lamp in the tone";
+        occlusion: f32 = 0.3, Number { min: 0.0, max: 1.0 }, "", "", "share of ambient occlusion in the tone";
+        specular: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "share of highlights in the tone";
+        reflection: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "share of mirrored surroundings in the tone";
+        luminance: f32 = 0.2, Number { min: 0.0, max: 1.0 }, "", "", "share of the base colour's lightness in the tone";
+        occlusion_radius: f32 = 0.6, Number { min: 0.001, max: 10.0 }, "", "R", "reach of ambient occlusion";
+        occlusion_rays: u32 = 8, Count { min: 1, max: 256 }, "", "rays", "occlusion rays a pixel; sixteen times as many directions count";
+        gloss: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "roughness of highlights; 0: the material's";
+
+        global: f32 = 0.35, Number { min: 0.0, max: 1.0 }, "g (3.5)", "", "global tone against local contrast";
+        local_radius: f32 = 16.0, Number { min: 0.5, max: 480.0 }, "h (3.3)", "px at 480", "neighbourhood of local contrast";
+        low: f32 = 2.0, Number { min: 0.0, max: 49.0 }, "", "percent", "tones below this percentile are black";
+        high: f32 = 98.0, Number { min: 51.0, max: 100.0 }, "", "percent", "tones above this percentile are white";
+        darkness: f32 = 0.0, Number { min: -0.5, max: 0.5 }, "", "", "added to the threshold between black and white";
+        black_min: f32 = 0.35, Number { min: 0.0, max: 1.0 }, "", "share", "least share of black, if it can be had by exposure";
+        black_max: f32 = 0.60, Number { min: 0.0, max: 1.0 }, "", "share", "greatest share of black, if it can be had by exposure";
+
+        diffuse_w: f32 = 1.0, Number { min: 0.0, max: 4.0 }, "w_i (3.1)", "", "thesis model: pull of diffuse light to white";
+        diffuse_b: f32 = 1.0, Number { min: 0.0, max: 4.0 }, "b_i (3.1)", "", "thesis model: pull of diffuse shade to black";
+        diffuse_g: f32 = 1.0, Number { min: 0.0, max: 1.0 }, "g_i (3.5)", "", "thesis model: global against local diffuse light";
+        diffuse_h: f32 = 16.0, Number { min: 0.5, max: 480.0 }, "h_i (3.3)", "px at 480", "thesis model: neighbourhood of diffuse light";
+        headlamp_w: f32 = 0.0, Number { min: 0.0, max: 4.0 }, "w_i (3.1)", "", "thesis model: pull of the head lamp to white";
+        headlamp_b: f32 = 0.0, Number { min: 0.0, max: 4.0 }, "b_i (3.1)", "", "thesis model: pull of grazing surfaces to black";
+        headlamp_g: f32 = 1.0, Number { min: 0.0, max: 1.0 }, "g_i (3.5)", "", "thesis model: global against local head lamp";
+        headlamp_h: f32 = 16.0, Number { min: 0.5, max: 480.0 }, "h_i (3.3)", "px at 480", "thesis model: neighbourhood of the head lamp";
+        specular_w: f32 = 0.0, Number { min: 0.0, max: 4.0 }, "w_i (3.1)", "", "thesis model: pull of highlights to white";
+        specular_b: f32 = 0.0, Number { min: 0.0, max: 4.0 }, "b_i (3.1)", "", "thesis model: pull of what has no highlight to black";
+        specular_g: f32 = 1.0, Number { min: 0.0, max: 1.0 }, "g_i (3.5)", "", "thesis model: global against local highlights";
+        specular_h: f32 = 16.0, Number { min: 0.5, max: 480.0 }, "h_i (3.3)", "px at 480", "thesis model: neighbourhood of highlights";
+        occlusion_w: f32 = 0.0, Number { min: 0.0, max: 4.0 }, "w_i (3.1)", "", "thesis model: pull of open surfaces to white";
+        occlusion_b: f32 = 0.0, Number { min: 0.0, max: 4.0 }, "b_i (3.1)", "", "thesis model: pull of hollows to black";
+        occlusion_g: f32 = 1.0, Number { min: 0.0, max: 1.0 }, "g_i (3.5)", "", "thesis model: global against local occlusion";
+        occlusion_h: f32 = 16.0, Number { min: 0.5, max: 480.0 }, "h_i (3.3)", "px at 480", "thesis model: neighbourhood of occlusion";
+
+        neighbour: f32 = 0.15, Number { min: 0.0, max: 10.0 }, "N~ (3.2)", "at 480", "cost of a border, before geometry lowers it";
+        floor: f32 = 0.1, Number { min: 0.0, max: 1.0 }, "", "", "share of the neighbour weight that geometry leaves";
+        depth_falloff: f32 = 0.02, Number { min: 1e-6, max: 100.0 }, "d (3.6)", "R", "depth step that draws a border";
+        depth_form: DepthForm = DepthForm::Plane, Choice(DepthForm::WORDS), "(3.6)", "", "how depth differences are measured";
+        curvature_falloff: f32 = 0.15, Number { min: 1e-4, max: 100.0 }, "k (3.9)", "rad/px", "change of curvature that draws a border";
+        curvature_radius: f32 = 3.0, Number { min: 0.5, max: 64.0 }, "c (3.8)", "px at 480", "neighbourhood of the mean curvature";
+        curvature_form: CurvatureForm = CurvatureForm::Fast, Choice(CurvatureForm::WORDS), "(3.8)", "", "how the mean curvature is found";
+        object_edge: f32 = 0.3, Number { min: 0.0, max: 1.0 }, "", "", "neighbour weight left between two objects";
+        material_edge: f32 = 0.6, Number { min: 0.0, max: 1.0 }, "", "", "neighbour weight left between two materials";
+        use_geometry: bool = true, Switch, "(3.2)", "", "whether geometry lowers neighbour weights";
+        diagonal: bool = true, Switch, "", "", "whether diagonal borders weigh 1/sqrt 2";
+
+        island: f32 = 30.0, Number { min: 0.0, max: 100000.0 }, "", "px at 480", "smaller patches take the colour around them; 0 keeps all";
+        smooth: f32 = 1.1, Number { min: 0.0, max: 10.0 }, "", "px at 480", "smoothing of borders after the cut";
+
+        lines: bool = true, Switch, "", "", "whether lines are drawn on top";
+        line_width: f32 = 1.5, Number { min: 0.1, max: 50.0 }, "", "px at 480", "width of lines";
+        line_depth: f32 = 0.015, Number { min: 1e-6, max: 100.0 }, "", "R", "depth step that draws a line";
+        line_crease: f32 = 40.0, Number { min: 1.0, max: 181.0 }, "", "degrees", "crease that draws a line; 181: none";
+        line_objects: bool = true, Switch, "", "", "whether borders between objects draw lines";
+        line_silhouette: bool = true, Switch, "", "", "whether the outline is drawn where the region is white";
+        line_white: bool = true, Switch, "", "", "whether lines inside black are white";
+        line_black: bool = true, Switch, "", "", "whether lines inside white are black";
+        line_shortest: f32 = 8.0, Number { min: 0.0, max: 1000.0 }, "", "px at 480", "shorter runs of line are dropped";
+    }
+}
+
+/// The picture height that lengths are stated for, in pixels.
+pub const REFERENCE_HEIGHT: f32 = 480.0;
+
+/// Pixels for a length stated at the reference height.
+pub fn scaled(length: f32, height: usize) -> f32 {
+    length * height as f32 / REFERENCE_HEIGHT
+}

@@ -1,0 +1,115 @@
+//! Pixel lines on top of the regions, with one colour rule.
+//!
+//! A line runs between two pixels where a depth step, a crease or a change of object is; it is
+//! drawn in the other colour where both sides have the same label, and not at all where the border
+//! of the regions draws it already. Paper counts as a white side: the outline is drawn where the
+//! region is white.
+
+use crate::geometry::{angle, depth_step};
+use crate::knob::{BinaryKnobs, DepthForm, scaled};
+use chiaro_basis::math::Vec3;
+use chiaro_image::Plane;
+use chiaro_ink::{Cracks, Polyline};
+use chiaro_trace::GBuffer;
+
+/// Lines to be drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Lines {
+    /// On white.
+    pub black: Vec<Polyline>,
+    /// On black.
+    pub white: Vec<Polyline>,
+    /// Their width in pixels of this picture.
+    pub width: f32,
+}
+
+impl Lines {
+    /// The lines of a labelled picture. `paper_is_white` says whether what is not covered counts
+    /// as white.
+    pub fn find(
+        buffer: &GBuffer,
+        white: &Plane<bool>,
+        paper_is_white: bool,
+        knobs: &BinaryKnobs,
+    ) -> Self {
+        if !knobs.lines {
+            return Self::default();
+        }
+        let height = buffer.size().1;
+        let finder = Finder { buffer, white, paper_is_white, knobs };
+        let shortest = scaled(knobs.line_shortest, height);
+        let rounds = (2.0 * scaled(1.0, height)).ceil() as usize;
+        let lines = |side: bool| finder.cracks(side).polylines(shortest, rounds);
+        Self {
+            black: if knobs.line_black { lines(true) } else { Vec::new() },
+            white: if knobs.line_white { lines(false) } else { Vec::new() },
+            width: scaled(knobs.line_width, height),
+        }
+    }
+}
+
+struct Finder<'a> {
+    buffer: &'a GBuffer,
+    white: &'a Plane<bool>,
+    paper_is_white: bool,
+    knobs: &'a BinaryKnobs,
+}
+
+type Pixel = (usize, usize);
+
+impl Finder<'_> {
+    /// The cracks with a line whose two sides both have the label `side`.
+    fn cracks(&self, side: bool) -> Cracks {
+        let (w, h) = self.buffer.size();
+        Cracks::mark(w, h, |x, y, axis| {
+            let q = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
+            self.label((x, y)) == side && self.label(q) == side && self.is_line((x, y), q)
+        })
+    }
+
+    fn label(&self, p: Pixel) -> bool {
+        if self.buffer.covered[p] { self.white[p] } else { self.paper_is_white }
+    }
+
+    fn is_line(&self, p: Pixel, q: Pixel) -> bool {
+        match (self.buffer.covered[p], self.buffer.covered[q]) {
+            (true, true) => self.is_inner_line(p, q),
+            (false, false) => false,
+            _ => self.knobs.line_silhouette,
+        }
+    }
+
+    fn is_inner_line(&self, p: Pixel, q: Pixel) -> bool {
+        let k = self.knobs;
+        let objects = k.line_objects && self.buffer.object[p] != self.buffer.object[q];
+        objects || self.is_step(p, q) || self.is_crease(p, q)
+    }
+
+    /// A depth step, also for what is nearly edge-on: a pixel's own depth range is no step.
+    fn is_step(&self, p: Pixel, q: Pixel) -> bool {
+        let step = depth_step(self.buffer, p, q, DepthForm::Plane);
+        step > self.knobs.line_depth * self.buffer.radius
+    }
+
+    /// A crease of the smooth surface: a bend over one pixel that its surroundings do not share.
+    fn is_crease(&self, p: Pixel, q: Pixel) -> bool {
+        let limit = self.knobs.line_crease.to_radians();
+        let here = self.bend(p, q);
+        if here < limit {
+            return false;
+        }
+        let (dx, dy) = (q.0 as isize - p.0 as isize, q.1 as isize - p.1 as isize);
+        let beyond = |at: Pixel, sign: isize| -> f32 {
+            let (u, v) = (at.0 as isize + sign * dx, at.1 as isize + sign * dy);
+            match self.buffer.covered.at(u, v) {
+                Some(true) => self.bend(at, (u as usize, v as usize)),
+                _ => 0.0,
+            }
+        };
+        beyond(p, -1).max(beyond(q, 1)) < 0.5 * here
+    }
+
+    fn bend(&self, p: Pixel, q: Pixel) -> f32 {
+        angle(Vec3::from(self.buffer.smooth_normal[p]), Vec3::from(self.buffer.smooth_normal[q]))
+    }
+}

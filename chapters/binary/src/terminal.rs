@@ -1,0 +1,76 @@
+//! Terminal weights W and B, (3.1) to (3.5).
+//!
+//! `W` is paid where a pixel ends black, `B` where it ends white; what is stored is their
+//! difference, since adding the same to both changes no cut.
+
+use crate::appearance::{Channel, Channels};
+use crate::exposure::{Exposure, local_contrast, mixed_tone};
+use crate::knob::{BinaryKnobs, Model};
+use chiaro_image::Plane;
+
+/// W - B per pixel; positive pulls to white.
+pub fn terminal(
+    channels: &Channels,
+    covered: &Plane<bool>,
+    exposure: &Exposure,
+    knobs: &BinaryKnobs,
+) -> Plane<f32> {
+    match knobs.model {
+        Model::Tone => {
+            let tone = mixed_tone(channels, covered, knobs).map(|&t| exposure.stretch(t));
+            from_tone(&tone, covered, exposure, knobs)
+        }
+        Model::Thesis => from_channels(channels, covered, knobs),
+    }
+}
+
+/// g (T - t) + (1 - g) clamp(A' / (4 rms A'), -1/2, 1/2).
+fn from_tone(
+    tone: &Plane<f32>,
+    covered: &Plane<bool>,
+    exposure: &Exposure,
+    knobs: &BinaryKnobs,
+) -> Plane<f32> {
+    let g = knobs.global;
+    if g >= 1.0 {
+        return tone.map(|t| t - exposure.threshold);
+    }
+    let local = local_contrast(tone, covered, knobs.local_radius);
+    let scale = 0.25 / exposure.contrast;
+    tone.zip(&local, |t, d| g * (t - exposure.threshold) + (1.0 - g) * (scale * d).clamp(-0.5, 0.5))
+        .expect("a filter keeps the size")
+}
+
+/// The thesis's sum: sum of w_i W_i - b_i B_i with W_i and B_i of (3.5). Its small constant that
+/// keeps both positive cancels here.
+fn from_channels(channels: &Channels, covered: &Plane<bool>, knobs: &BinaryKnobs) -> Plane<f32> {
+    let (w, h) = covered.size();
+    let mut sum = Plane::filled(w, h, 0.0);
+    for channel in Channel::ALL {
+        let (Some(weights), Some(plane)) = (channel.thesis(knobs), channels.get(channel)) else {
+            continue;
+        };
+        let part = channel_difference(plane, covered, weights);
+        sum = sum.zip(&part, |a, b| a + b).expect("channels have the picture's size");
+    }
+    sum
+}
+
+fn channel_difference(
+    plane: &Plane<f32>,
+    covered: &Plane<bool>,
+    [w, b, g, h]: [f32; 4],
+) -> Plane<f32> {
+    let (white, black) = (|a: f32| g * a, |a: f32| g * (1.0 - a));
+    if g >= 1.0 {
+        return plane.map(|&a| w * white(a) - b * black(a));
+    }
+    let local = local_contrast(plane, covered, h);
+    plane
+        .zip(&local, |&a, &d| {
+            let to_white = white(a) + (1.0 - g) * d.max(0.0);
+            let to_black = black(a) + (1.0 - g) * (-d).max(0.0);
+            w * to_white - b * to_black
+        })
+        .expect("a filter keeps the size")
+}

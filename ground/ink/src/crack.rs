@@ -1,0 +1,239 @@
+//! Cracks: edges between neighbouring pixels, chained to polylines.
+//!
+//! 1. A crack is the unit segment between two pixels; its ends are pixel corners.
+//! 2. Connected cracks shorter in all than a limit are dropped.
+//! 3. Walks between corners where not just two cracks meet, then around what is left, make chains.
+//! 4. A chain becomes the polyline of its cracks' middles, smoothed by binomial weights; ends and
+//!    junctions stay.
+
+use chiaro_image::Plane;
+
+/// Marked cracks of a picture.
+#[derive(Clone, Debug)]
+pub struct Cracks {
+    /// Per pixel: whether the crack to its right neighbour, and the one to its lower neighbour,
+    /// are marked.
+    marks: Plane<[bool; 2]>,
+}
+
+/// A line in pixel coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polyline {
+    /// Its points; the first is not repeated at the end of a closed line.
+    pub points: Vec<[f32; 2]>,
+    /// Whether it closes.
+    pub closed: bool,
+}
+
+/// A pixel corner, x in 0..=width, y in 0..=height.
+type Corner = (usize, usize);
+
+impl Cracks {
+    /// Marks cracks of a `width` x `height` picture: `marked(x, y, 0)` is asked of the crack between
+    /// (x, y) and (x + 1, y), `marked(x, y, 1)` of the one between (x, y) and (x, y + 1).
+    pub fn mark(
+        width: usize,
+        height: usize,
+        marked: impl Fn(usize, usize, usize) -> bool + Sync,
+    ) -> Self {
+        let marks = Plane::from_fn(width, height, |x, y| {
+            [x + 1 < width && marked(x, y, 0), y + 1 < height && marked(x, y, 1)]
+        });
+        Self { marks }
+    }
+
+    /// The lines that the cracks make, those of connected cracks under `shortest` pixels left out,
+    /// smoothed `rounds` times.
+    pub fn polylines(&self, shortest: f32, rounds: usize) -> Vec<Polyline> {
+        let mut walk = Walk::new(&self.marks);
+        let chains = walk.chains();
+        let lengths = component_lengths(&chains, walk.corners_wide());
+        chains
+            .into_iter()
+            .zip(lengths)
+            .filter(|(_, length)| *length >= shortest)
+            .map(|(chain, _)| smoothed(&chain, rounds))
+            .collect()
+    }
+}
+
+/// Corners in order; closed when first and last agree.
+type Chain = Vec<Corner>;
+
+struct Walk<'a> {
+    marks: &'a Plane<[bool; 2]>,
+    /// Cracks already walked, indexed like `marks`.
+    done: Plane<[bool; 2]>,
+}
+
+/// A crack as (x, y, axis), indexed like the marks.
+type Crack = (usize, usize, usize);
+
+impl<'a> Walk<'a> {
+    fn new(marks: &'a Plane<[bool; 2]>) -> Self {
+        let (w, h) = marks.size();
+        Self { marks, done: Plane::filled(w, h, [false; 2]) }
+    }
+
+    fn corners_wide(&self) -> usize {
+        self.marks.width() + 1
+    }
+
+    /// The marked cracks at a corner with their other ends: up, left, down, right.
+    fn around(&self, (x, y): Corner) -> impl Iterator<Item = (Crack, Corner)> + '_ {
+        let (w, h) = self.marks.size();
+        let up = (x >= 1 && y >= 1).then(|| ((x - 1, y - 1, 0), (x, y - 1)));
+        let left = (x >= 1 && y >= 1).then(|| ((x - 1, y - 1, 1), (x - 1, y)));
+        let down = (x >= 1 && y < h).then(|| ((x - 1, y, 0), (x, y + 1)));
+        let right = (y >= 1 && x < w).then(|| ((x, y - 1, 1), (x + 1, y)));
+        [up, left, down, right]
+            .into_iter()
+            .flatten()
+            .filter(|&((u, v, axis), _)| self.marks[(u, v)][axis])
+    }
+
+    fn chains(&mut self) -> Vec<Chain> {
+        let (w, h) = self.marks.size();
+        let corners = || (0..=h).flat_map(move |y| (0..=w).map(move |x| (x, y)));
+        let mut chains = Vec::new();
+        for corner in corners() {
+            if self.around(corner).count() != 2 {
+                self.leave(corner, &mut chains);
+            }
+        }
+        for corner in corners() {
+            self.leave(corner, &mut chains);
+        }
+        chains
+    }
+
+    /// Walks along every crack at a corner that was not walked yet.
+    fn leave(&mut self, corner: Corner, chains: &mut Vec<Chain>) {
+        let starts: Vec<_> = self.around(corner).collect();
+        for (crack, next) in starts {
+            if !self.is_done(crack) {
+                chains.push(self.follow(corner, crack, next));
+            }
+        }
+    }
+
+    fn is_done(&self, (x, y, axis): Crack) -> bool {
+        self.done[(x, y)][axis]
+    }
+
+    /// From a corner along a crack to the next end or junction, or once round.
+    fn follow(&mut self, from: Corner, crack: Crack, next: Corner) -> Chain {
+        let (mut crack, mut at) = (crack, next);
+        let mut chain = vec![from];
+        loop {
+            self.done[(crack.0, crack.1)][crack.2] = true;
+            chain.push(at);
+            if at == from || self.around(at).count() != 2 {
+                return chain;
+            }
+            let Some((c, n)) = self.around(at).find(|&(c, _)| !self.is_done(c)) else {
+                return chain;
+            };
+            (crack, at) = (c, n);
+        }
+    }
+}
+
+/// For each chain, the cracks in all chains that it is connected with.
+fn component_lengths(chains: &[Chain], wide: usize) -> Vec<f32> {
+    let ends: Vec<[usize; 2]> =
+        chains.iter().map(|c| [c[0], c[c.len() - 1]].map(|(x, y)| y * wide + x)).collect();
+    let mut corners: Vec<usize> = ends.iter().flatten().copied().collect();
+    corners.sort_unstable();
+    corners.dedup();
+    let index = |corner: usize| corners.binary_search(&corner).expect("every end is listed");
+    let mut parent: Vec<usize> = (0..corners.len()).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    for [a, b] in &ends {
+        let (a, b) = (root(&mut parent, index(*a)), root(&mut parent, index(*b)));
+        parent[a.max(b)] = a.min(b);
+    }
+    let mut totals = vec![0.0f32; corners.len()];
+    for (chain, [a, _]) in chains.iter().zip(&ends) {
+        totals[root(&mut parent, index(*a))] += (chain.len() - 1) as f32;
+    }
+    ends.iter().map(|[a, _]| totals[root(&mut parent, index(*a))]).collect()
+}
+
+fn smoothed(chain: &Chain, rounds: usize) -> Polyline {
+    let closed = chain.len() > 3 && chain[0] == chain[chain.len() - 1];
+    let corner = |c: Corner| [c.0 as f32, c.1 as f32];
+    let mut points: Vec<[f32; 2]> =
+        chain.windows(2).map(|s| middle(corner(s[0]), corner(s[1]))).collect();
+    if !closed {
+        points.insert(0, corner(chain[0]));
+        points.push(corner(chain[chain.len() - 1]));
+    }
+    for _ in 0..rounds {
+        points = binomial(&points, closed);
+    }
+    Polyline { points, closed }
+}
+
+fn middle(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}
+
+/// One round of (1, 2, 1) / 4.
+fn binomial(points: &[[f32; 2]], closed: bool) -> Vec<[f32; 2]> {
+    let n = points.len();
+    (0..n)
+        .map(|i| {
+            if !closed && (i == 0 || i == n - 1) {
+                return points[i];
+            }
+            let (a, b, c) = (points[(i + n - 1) % n], points[i], points[(i + 1) % n]);
+            middle(middle(a, b), middle(b, c))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outline(
+        width: usize,
+        height: usize,
+        inside: impl Fn(usize, usize) -> bool + Sync,
+    ) -> Cracks {
+        Cracks::mark(width, height, |x, y, axis| {
+            let (u, v) = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
+            inside(x, y) != inside(u, v)
+        })
+    }
+
+    #[test]
+    fn the_outline_of_a_square_is_one_closed_line() {
+        let lines =
+            outline(8, 8, |x, y| (2..5).contains(&x) && (2..6).contains(&y)).polylines(0.0, 0);
+        assert_eq!(lines.len(), 1);
+        assert!(lines[0].closed);
+        assert_eq!(lines[0].points.len(), 14);
+    }
+
+    #[test]
+    fn crossing_lines_are_cut_where_they_meet() {
+        let lines = outline(9, 9, |x, y| (x < 4) != (y < 4)).polylines(0.0, 2);
+        assert_eq!(lines.len(), 4);
+        assert!(lines.iter().all(|l| !l.closed));
+    }
+
+    #[test]
+    fn short_lines_are_dropped_by_their_connected_length() {
+        let cracks = outline(20, 20, |x, y| (x, y) == (3, 3) || (x > 9 && y > 9));
+        assert_eq!(cracks.polylines(0.0, 0).len(), 2);
+        assert_eq!(cracks.polylines(5.0, 0).len(), 1);
+    }
+}
