@@ -5,13 +5,15 @@
 //! hostile: sizes are checked against [`Limits`] and against what a file of that length can hold
 //! *before* memory is asked for, and anything wrong is one sentence that names the file.
 
+mod exr;
 mod jpeg;
 mod limits;
 mod pbm;
 mod picture;
 mod png;
 
+pub use exr::{ExrChannel, ExrImage, read_exr, write_exr};
 pub use limits::Limits;
 pub use pbm::{read_pbm, write_pbm};
-pub use picture::{Format, read_components, read_picture};
+pub use picture::{Format, read_colour, read_components, read_picture};
 pub use png::{read_png_recipe, write_png_bits, write_png_grey, write_png_rgb, write_png_rgba};

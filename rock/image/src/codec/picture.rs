@@ -1,8 +1,9 @@
 //! Any picture a user hands over, told by its first bytes, never by its name.
 
 use super::png::{self, Stored};
-use super::{Limits, jpeg};
+use super::{ExrImage, Limits, jpeg, read_exr};
 use crate::Plane;
+use crate::colour::srgb_decode;
 use chiaro_basis::{Error, Result};
 
 /// A kind of picture file that chiaro reads.
@@ -55,6 +56,35 @@ pub fn read_components(bytes: &[u8], name: &str, limits: &Limits) -> Result<Plan
     }
 }
 
+/// The picture in a PNG, a JPEG or an OpenEXR file as linear light, Rec. 709 red, green and blue
+/// multiplied by alpha, and alpha: one convention, so that pictures of different kinds compare.
+/// For what counts as the picture in an OpenEXR file see [`ExrImage::colour`].
+///
+/// # Errors
+/// As [`read_picture`], and [`Error::Input`] when an OpenEXR file holds no colours.
+///
+/// [`ExrImage::colour`]: super::ExrImage::colour
+pub fn read_colour(bytes: &[u8], name: &str, limits: &Limits) -> Result<Plane<[f32; 4]>> {
+    if Format::of(bytes) == Some(Format::Exr) {
+        let image = read_exr(bytes, name, limits)?;
+        return image.colour().ok_or_else(|| no_colour(name, &image));
+    }
+    let encoded = read_components(bytes, name, limits)?;
+    Ok(encoded.map(|&[r, g, b, a]| {
+        let [r, g, b] = [r, g, b].map(|c| srgb_decode(c) * a);
+        [r, g, b, a]
+    }))
+}
+
+fn no_colour(name: &str, image: &ExrImage) -> Error {
+    let names: Vec<&str> = image.layers.iter().map(|(name, _)| name.as_str()).take(8).collect();
+    let why = format!(
+        "there are no channels R, G and B, nor Y, among {}; add the combined pass to the file",
+        names.join(", ")
+    );
+    Error::input(name, "", why)
+}
+
 fn decode(bytes: &[u8], name: &str, limits: &Limits) -> Result<Stored> {
     match Format::of(bytes) {
         Some(Format::Png) => png::decode(bytes, name, limits),
@@ -83,6 +113,7 @@ fn kind(bytes: &[u8]) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::ExrChannel;
 
     #[test]
     fn sixteen_bits_round_to_eight_and_stay_whole_as_components() {
@@ -97,6 +128,25 @@ mod tests {
         assert_eq!(plane.pixels(), [[128, 128, 128, 255], [129, 129, 129, 255]]);
         let fine = read_components(&bytes, "a.png", &limits).unwrap();
         assert_eq!(fine[(1, 0)][0], 33025.0 / 65535.0);
+    }
+
+    #[test]
+    fn colours_of_every_kind_are_linear_and_multiplied_by_alpha() {
+        let limits = Limits::default();
+        let plane = Plane::filled(1, 1, [255, 188, 0, 51]);
+        let png = crate::codec::write_png_rgba(&plane, None).unwrap();
+        let [r, g, b, a] = read_colour(&png, "a.png", &limits).unwrap()[(0, 0)];
+        assert!((r - 0.2).abs() < 1e-6 && (g - 0.1).abs() < 1e-3 && b == 0.0 && a == 0.2);
+        let names = ["R", "G", "B", "A"];
+        let channel = |i: usize| ExrChannel::F32(Plane::filled(1, 1, [r, g, b, a][i]));
+        let layers = (0..4).map(|i| (names[i].to_string(), channel(i))).collect();
+        let image = ExrImage { size: (1, 1), layers, ..ExrImage::default() };
+        let exr = crate::codec::write_exr(&image).unwrap();
+        assert_eq!(read_colour(&exr, "a.exr", &limits).unwrap()[(0, 0)], [r, g, b, a]);
+        let depth = ExrImage { layers: vec![("depth.Z".into(), channel(0))], ..image };
+        let exr = crate::codec::write_exr(&depth).unwrap();
+        let message = read_colour(&exr, "a.exr", &limits).unwrap_err().to_string();
+        assert!(message.contains("among depth.Z;"), "{message}");
     }
 
     #[test]
