@@ -1,1 +1,23 @@
 //! Scenes and knobs to jobs and files: the facade of chiaro.
+//!
+//! A job takes a [`Project`] (a scene on disk or a procedural one, with the view, the time and the
+//! film) and writes files whole. Everything a surface offers (command line, desktop, bindings) goes
+//! through here.
+
+pub mod binary;
+pub mod camera;
+pub mod compare;
+pub mod demo;
+mod disk;
+pub mod figures;
+pub mod film;
+pub mod gbuffer;
+pub mod info;
+pub mod number;
+pub mod project;
+pub mod record;
+pub mod style;
+pub mod write;
+
+pub use project::{Options, Project};
+pub use record::{Record, Stopwatch};

@@ -1,0 +1,378 @@
+//! `chiaro binary`: from a project to black and white, one picture or a film.
+//!
+//! 1. Once for the shot: the camera, the key light if the scene has none, and the exposure, found on
+//!    a few small frames.
+//! 2. A frame at a time: rays, channels, weights, cut, lines, and the file, written whole.
+
+use crate::camera::Camera;
+use crate::film::{self, Target};
+use crate::project::Project;
+use crate::record::Record;
+use crate::style::Style;
+use crate::write;
+use chiaro_basis::{Knobs, Result, Run};
+use chiaro_binary::{
+    BinaryKnobs, Channel, Channels, Exposure, LEAST_REACH, Lit, Marks, REFERENCE_HEIGHT,
+    Steps, View, compose, expose, one_bit, shade,
+};
+use chiaro_image::colour::to_byte;
+use chiaro_image::labels::components;
+use chiaro_image::{Plane, codec};
+use chiaro_scene::{Frame, Pose};
+use chiaro_trace::{GBuffer, Lamp, Surfaces, Tracer};
+use serde_json::{Value, json};
+
+/// Frames that a shot's exposure is surveyed on, at most, and their height in pixels.
+const SURVEY_FRAMES: usize = 5;
+const SURVEY_HEIGHT: usize = 240;
+
+/// Colours of the picture, sRGB-encoded RGBA.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colours {
+    /// Black regions and lines.
+    pub ink: [f32; 4],
+    /// White regions and lines.
+    pub paper: [f32; 4],
+    /// Where there is no geometry; may be transparent.
+    pub background: [f32; 4],
+}
+
+impl Default for Colours {
+    fn default() -> Self {
+        Self { ink: [0.0, 0.0, 0.0, 1.0], paper: [1.0; 4], background: [1.0; 4] }
+    }
+}
+
+impl Colours {
+    /// Whether what has no geometry is nearer to paper than to ink.
+    fn paper_is_white(&self) -> bool {
+        let lightness = |c: [f32; 4]| 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
+        self.background[3] < 0.5
+            || lightness(self.background) >= 0.5 * (lightness(self.ink) + lightness(self.paper))
+    }
+
+    fn are_grey(&self) -> bool {
+        [self.ink, self.paper, self.background].iter().all(|c| c[0] == c[1] && c[1] == c[2] && c[3] == 1.0)
+    }
+}
+
+/// What does not change over a shot.
+pub struct Shot<'a> {
+    project: &'a Project,
+    knobs: BinaryKnobs,
+    /// The camera.
+    pub camera: Camera,
+    /// The exposure.
+    pub exposure: Exposure,
+    sun: Option<Lamp>,
+    surfaces: Surfaces<'a>,
+}
+
+impl<'a> Shot<'a> {
+    /// Decides what a shot shares.
+    pub fn survey(project: &'a Project, knobs: &BinaryKnobs, run: &Run) -> Result<Self> {
+        let poser = project.poser();
+        let numbers = project.sampled_shot(SURVEY_FRAMES);
+        let frames: Vec<Frame> = numbers.iter().map(|&n| project.pose(&poser, n, run)).collect();
+        let camera = Camera::choose(project, &frames, run)?;
+        let surfaces = Surfaces::new(&project.scene);
+        let sun = sun(project, &camera.pose(&frames[0], numbers[0]), &frames[0], run);
+        let mut shot = Self {
+            project,
+            knobs: knobs.clone(),
+            camera,
+            exposure: Exposure::default(),
+            sun,
+            surfaces,
+        };
+        shot.exposure = shot.expose(&numbers, &frames, run)?;
+        Ok(shot)
+    }
+
+    fn expose(&self, numbers: &[u32], frames: &[Frame], run: &Run) -> Result<Exposure> {
+        let small = self.camera.at_height(SURVEY_HEIGHT);
+        let views = |shadows: bool| -> Result<Vec<View>> {
+            let pairs = numbers.iter().zip(frames);
+            pairs.map(|(&n, f)| self.view(f, n, small.size, shadows, run)).collect()
+        };
+        let lit = views(true)?;
+        let reach = lit.iter().map(|v| v.channels.reach).fold(0.0, f32::max);
+        if reach >= LEAST_REACH {
+            return expose(&lit, true, &self.knobs, run);
+        }
+        run.warn("hardly any light gets in: shadows are left out");
+        expose(&views(false)?, false, &self.knobs, run)
+    }
+
+    fn view(
+        &self,
+        frame: &Frame,
+        number: u32,
+        size: (usize, usize),
+        shadows: bool,
+        run: &Run,
+    ) -> Result<View> {
+        let pixels = (size.0 * size.1) as u64;
+        let scene = &self.project.scene;
+        let pose = self.camera.pose(frame, number);
+        let (tracer, buffer) = run.stage("trace", pixels, || {
+            let tracer = Tracer::new(scene, frame);
+            let buffer = GBuffer::trace(&tracer, &self.surfaces, &pose, size, run);
+            (tracer, buffer)
+        });
+        let buffer = buffer?;
+        let lamps = self.lamps(frame);
+        let channels = run.stage("channels", pixels, || {
+            let lit =
+                Lit { tracer: &tracer, surfaces: &self.surfaces, buffer: &buffer, lamps: &lamps };
+            Channels::render(&lit, |c: Channel| c.is_used(&self.knobs), &self.knobs, shadows, run)
+        })?;
+        Ok(View { buffer, channels })
+    }
+
+    fn lamps(&self, frame: &Frame) -> Vec<Lamp> {
+        match self.sun {
+            Some(sun) => vec![sun],
+            None => Lamp::of_frame(frame),
+        }
+    }
+
+    /// One frame of the shot, in full.
+    pub fn picture(
+        &self,
+        frame: &Frame,
+        number: u32,
+        colours: &Colours,
+        run: &Run,
+    ) -> Result<Picture> {
+        let size = self.camera.size;
+        let view = self.view(frame, number, size, self.exposure.shadows, run)?;
+        let steps = shade(&view, &self.exposure, &self.knobs, colours.paper_is_white(), run)?;
+        let marks = run.stage("draw", (size.0 * size.1) as u64, || {
+            compose(&steps.white, &view.buffer.covered, &steps.lines, &self.knobs)
+        });
+        Ok(Picture { view, steps, marks })
+    }
+}
+
+/// The sun that the user set, or a key light where the scene has none.
+fn sun(project: &Project, pose: &Pose, frame: &Frame, run: &Run) -> Option<Lamp> {
+    if let Some([azimuth, elevation]) = project.options.sun {
+        let (a, e) = (azimuth.to_radians(), elevation.to_radians());
+        let from = [e.cos() * a.sin(), e.sin(), e.cos() * a.cos()];
+        return Some(Lamp::sun(-chiaro_basis::math::Vec3::from(from)));
+    }
+    if Lamp::of_frame(frame).is_empty() {
+        run.warn("no light in the scene: a key light from above, on the left, on the viewer's side");
+        return Some(Lamp::key(pose));
+    }
+    None
+}
+
+/// A finished frame with everything on the way to it.
+pub struct Picture {
+    /// Geometry and appearance.
+    pub view: View,
+    /// Weights, cut, islands, lines.
+    pub steps: Steps,
+    /// Regions and lines, antialiased.
+    pub marks: Marks,
+}
+
+/// A binary job.
+pub struct Job<'a> {
+    /// The scene and its film.
+    pub project: &'a Project,
+    /// The style.
+    pub style: &'a Style,
+    /// The knobs, `--set` applied.
+    pub knobs: &'a BinaryKnobs,
+    /// The colours.
+    pub colours: Colours,
+    /// Where the picture goes.
+    pub target: Target,
+}
+
+impl Job<'_> {
+    /// Renders and writes every frame that is not there yet.
+    pub fn run(&self, run: &Run) -> Result<Record> {
+        let encode = Encoding::of(&self.target)?;
+        let mut record = Record::new("binary");
+        let mut counts = Vec::new();
+        let mut pictures = Vec::new();
+        let poser = self.project.poser();
+        let shot = &Shot::survey(self.project, self.knobs, run)?;
+        for number in self.project.frames() {
+            run.check()?;
+            let recipe = self.recipe(shot, number);
+            let file = self.target.file(number);
+            if let (Target::Pattern(_), Some(output)) = (&self.target, film::finished(&file, &recipe)) {
+                record.outputs.push(output);
+                continue;
+            }
+            let frame = self.project.pose(&poser, number, run);
+            let picture = shot.picture(&frame, number, &self.colours, run)?;
+            counts.push((number, measures(&picture)));
+            if let Target::Animation(_) = self.target {
+                pictures.push(colour(&picture.marks, &self.colours));
+                continue;
+            }
+            let output = run.stage("write", 1, || {
+                let bytes = encode.encode(&picture, &self.colours, &recipe)?;
+                match self.target {
+                    Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
+                    _ => write::whole(&file, &bytes),
+                }
+            })?;
+            record.outputs.push(output);
+        }
+        if let Target::Animation(path) = &self.target {
+            let recipe = self.recipe(shot, self.project.frames()[0]);
+            let bytes = codec::write_apng(&pictures, self.project.options.fps, Some(&recipe))?;
+            record.outputs.push(run.stage("write", 1, || write::whole(path, &bytes))?);
+        }
+        self.describe(&mut record, shot, counts);
+        Ok(record)
+    }
+
+    fn describe(&self, record: &mut Record, shot: &Shot<'_>, counts: Vec<(u32, Value)>) {
+        record.settings = self.settings(shot);
+        match counts.as_slice() {
+            [(_, Value::Object(only))] => record.counts = only.clone(),
+            _ => {
+                let frames: Vec<Value> = counts.into_iter().map(|(_, c)| c).collect();
+                record.count("frames", frames);
+            }
+        }
+    }
+
+    fn settings(&self, shot: &Shot<'_>) -> serde_json::Map<String, Value> {
+        let mut s = serde_json::Map::new();
+        let o = &self.project.options;
+        s.insert("input".into(), self.project.file_name().into());
+        s.insert("input_sha256".into(), self.project.hash.clone().into());
+        s.insert("style".into(), self.style.name.clone().into());
+        s.insert("size".into(), json!([shot.camera.size.0, shot.camera.size.1]));
+        s.insert("camera".into(), shot.camera.note.clone().into());
+        s.insert("camera_choice".into(), json!({
+            "camera": o.camera, "from": o.from, "look_at": o.look_at, "fov": o.fov,
+            "orbit": o.orbit, "turntable": o.turntable, "up": format!("{:?}", o.up),
+        }));
+        s.insert("time".into(), json!({
+            "fps": o.fps, "time": o.time, "loop": o.looped,
+            "animation": format!("{:?}", o.animation), "shot": self.project.shot(),
+        }));
+        s.insert("sun".into(), json!(o.sun));
+        s.insert("colours".into(), json!({
+            "ink": self.colours.ink, "paper": self.colours.paper,
+            "background": self.colours.background,
+        }));
+        s.insert("exposure".into(), json!({
+            "low": shot.exposure.low, "high": shot.exposure.high,
+            "threshold": shot.exposure.threshold, "contrast": shot.exposure.contrast,
+            "shadows": shot.exposure.shadows,
+        }));
+        for (knob, value) in self.knobs.values() {
+            s.insert(knob.name.into(), json_of(&value));
+        }
+        s
+    }
+
+    /// The recipe of a frame: everything that changes its pixels, and nothing else.
+    fn recipe(&self, shot: &Shot<'_>, frame: u32) -> String {
+        let mut settings = self.settings(shot);
+        settings.insert("frame".into(), frame.into());
+        json!({
+            "program": "chiaro", "version": env!("CARGO_PKG_VERSION"), "command": "binary",
+            "settings": settings,
+        })
+        .to_string()
+    }
+}
+
+fn json_of(value: &chiaro_basis::Value) -> Value {
+    match value {
+        chiaro_basis::Value::Number(x) => json!(x),
+        chiaro_basis::Value::Count(n) => json!(n),
+        chiaro_basis::Value::Switch(b) => json!(b),
+        chiaro_basis::Value::Word(w) => json!(w),
+    }
+}
+
+/// How a frame becomes bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Encoding {
+    Png,
+    Pbm,
+}
+
+impl Encoding {
+    fn of(target: &Target) -> Result<Self> {
+        match target.extension().as_str() {
+            "png" | "apng" => Ok(Self::Png),
+            "pbm" => Ok(Self::Pbm),
+            other => Err(chiaro_basis::Error::setting(
+                "-o",
+                format!(".{other}"),
+                "a file name that ends in .png, .apng or .pbm",
+            )),
+        }
+    }
+
+    fn encode(self, picture: &Picture, colours: &Colours, recipe: &str) -> Result<Vec<u8>> {
+        match self {
+            Self::Pbm => Ok(codec::write_pbm(&one_bit(&picture.marks, colours.paper_is_white()))),
+            Self::Png if colours.are_grey() => {
+                let grey = colour(&picture.marks, colours).map(|p| p[0]);
+                codec::write_png_grey(&grey, Some(recipe))
+            }
+            Self::Png => codec::write_png_rgba(&colour(&picture.marks, colours), Some(recipe)),
+        }
+    }
+}
+
+/// Ink and paper over the background, sRGB-encoded bytes. Shares are mixed as displayed: ink has no
+/// light of its own, and lines keep their optical width.
+fn colour(marks: &Marks, colours: &Colours) -> Plane<[u8; 4]> {
+    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    marks
+        .white
+        .zip(&marks.opacity, |&w, &o| {
+            let over: [f32; 4] = std::array::from_fn(|i| mix(colours.ink[i], colours.paper[i], w));
+            let alpha = mix(colours.background[3], over[3], o);
+            let channel = |i: usize| {
+                let back = colours.background[i] * colours.background[3] * (1.0 - o);
+                (back + over[i] * over[3] * o) / alpha.max(1e-6)
+            };
+            [to_byte(channel(0)), to_byte(channel(1)), to_byte(channel(2)), to_byte(alpha)]
+        })
+        .expect("both have the picture's size")
+}
+
+/// The measures of a picture for the record.
+pub fn measures(picture: &Picture) -> Value {
+    let steps = &picture.steps;
+    let covered = &picture.view.buffer.covered;
+    let height = covered.height() as f32;
+    let pixels = covered.len();
+    let nodes = covered.pixels().iter().filter(|c| **c).count();
+    let white = steps.white.pixels().iter().filter(|w| **w).count();
+    let pieces = components(&steps.white, covered);
+    let small = 30.0 * (height / REFERENCE_HEIGHT).powi(2);
+    let islands =
+        pieces.pieces.iter().filter(|p| p.touches_other && (p.area as f32) < small).count();
+    json!({
+        "pixels": pixels,
+        "nodes": nodes,
+        "flow": steps.labels.flow,
+        "cut": steps.labels.cut,
+        "capacity_units": steps.graph.scale,
+        "white_fraction": if nodes == 0 { 0.0 } else { white as f64 / nodes as f64 },
+        "components": pieces.pieces.len(),
+        "islands_under_30px": islands,
+        "island_energy": steps.island_energy,
+        "boundary_px": steps.border.pairs,
+        "feature_share": steps.border.on_features,
+        "feature_share_by_chance": steps.border.by_chance,
+    })
+}

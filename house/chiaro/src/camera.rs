@@ -1,0 +1,174 @@
+//! Which camera looks, and how large the picture is.
+
+use crate::number::{LONGEST_SIDE, MOST_PIXELS};
+use crate::project::Project;
+use chiaro_basis::math::{Quat, Vec3};
+use chiaro_basis::{Error, Result, Run, nearest};
+use chiaro_scene::{Bounds, Frame, Pose, Projection};
+use chiaro_trace::{Tracer, view};
+
+/// The longer side of a picture whose size nobody chose, in pixels.
+const DEFAULT_SIDE: f32 = 1024.0;
+
+/// The camera of a shot.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    source: Source,
+    /// Width and height in pixels.
+    pub size: (usize, usize),
+    /// How it was chosen, for `settings.camera`.
+    pub note: String,
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    /// One of the scene's cameras, which may move.
+    Scene { index: usize, fov: Option<f32> },
+    /// A fixed view, turned once round the axis through a centre over a turntable's shot.
+    Fixed { pose: Pose, turn: Option<(Vec3, u32, u32)> },
+}
+
+impl Camera {
+    /// Chooses the camera of a project's shot, `frames` being a few of the shot's frames.
+    pub fn choose(project: &Project, frames: &[Frame], run: &Run) -> Result<Self> {
+        let o = &project.options;
+        if let Some(fov) = o.fov
+            && !(1.0..=170.0).contains(&fov)
+        {
+            return Err(Error::setting("--fov", fov, "a vertical angle from 1 to 170 degrees"));
+        }
+        let by_hand = o.from.is_some() || o.look_at.is_some();
+        let turned = o.turntable || o.orbit != 0.0;
+        if !by_hand && (o.camera.is_some() || (!project.scene.cameras.is_empty() && !turned)) {
+            return Self::of_scene(project);
+        }
+        Self::default_view(project, frames, by_hand, run)
+    }
+
+    fn of_scene(project: &Project) -> Result<Self> {
+        let cameras = &project.scene.cameras;
+        let index = match &project.options.camera {
+            None => 0,
+            Some(name) => find_camera(project, name)?,
+        };
+        let camera = &cameras[index];
+        let aspect = camera.aspect.filter(|a| a.is_finite() && *a > 0.0).unwrap_or(4.0 / 3.0);
+        let size = project.options.size.unwrap_or_else(|| size_for(aspect));
+        let fov = project.options.fov.map(f32::to_radians);
+        let note = match camera.name.as_str() {
+            "" => format!("camera {index} of the scene"),
+            name => format!("camera {index} of the scene, {name}"),
+        };
+        Ok(Self { source: Source::Scene { index, fov }, size, note })
+    }
+
+    fn default_view(
+        project: &Project,
+        frames: &[Frame],
+        by_hand: bool,
+        run: &Run,
+    ) -> Result<Self> {
+        let o = &project.options;
+        let first = frames.first().expect("a shot has a frame");
+        let tracer = Tracer::new(&project.scene, first);
+        let framing = view::Framing::of(&tracer, frames);
+        let size = o.size.unwrap_or_else(|| size_for(framing.aspect(o.orbit)));
+        let aspect = size.0 as f32 / size.1 as f32;
+        let (mut pose, setting) = framing.view(aspect, o.orbit);
+        let mut note = match setting {
+            view::Setting::Room => "default view: inside the room, along its deepest quarter",
+            view::Setting::Object => "default view: three-quarter",
+        }
+        .to_owned();
+        if by_hand {
+            pose = by_hand_view(pose, o.from, o.look_at, &framing.bounds);
+            note = "by --from and --look-at".into();
+        } else {
+            run.warn(format!("no camera in use from the scene: {note}"));
+        }
+        if let (Some(fov), Projection::Perspective { fov_y }) = (o.fov, &mut pose.projection) {
+            *fov_y = fov.to_radians();
+        }
+        let turn = o.turntable.then(|| {
+            let shot = project.shot();
+            let centre =
+                if setting == view::Setting::Room { pose.position } else { framing.bounds.centre() };
+            (centre, shot[0], shot.len() as u32)
+        });
+        Ok(Self { source: Source::Fixed { pose, turn }, size, note })
+    }
+
+    /// The camera at a frame.
+    pub fn pose(&self, frame: &Frame, number: u32) -> Pose {
+        match &self.source {
+            Source::Scene { index, fov } => {
+                let mut pose = frame.cameras[*index];
+                if let (Some(fov), Projection::Perspective { fov_y }) = (fov, &mut pose.projection) {
+                    *fov_y = *fov;
+                }
+                pose
+            }
+            Source::Fixed { pose, turn: None } => *pose,
+            Source::Fixed { pose, turn: Some((centre, first, count)) } => {
+                let share = number.saturating_sub(*first) as f32 / (*count).max(1) as f32;
+                let turn = Quat::from_rotation_y(share * std::f32::consts::TAU);
+                Pose {
+                    position: *centre + turn * (pose.position - *centre),
+                    right: turn * pose.right,
+                    up: turn * pose.up,
+                    forward: turn * pose.forward,
+                    ..*pose
+                }
+            }
+        }
+    }
+
+    /// The same camera with a picture `height` pixels high.
+    pub fn at_height(&self, height: usize) -> Self {
+        let (w, h) = self.size;
+        let width = ((w * height) as f32 / h as f32).round().max(1.0) as usize;
+        Self { size: (width, height), ..self.clone() }
+    }
+}
+
+fn find_camera(project: &Project, name: &str) -> Result<usize> {
+    let cameras = &project.scene.cameras;
+    let named = cameras.iter().position(|c| c.name == name);
+    let by_index = || name.parse::<usize>().ok().filter(|i| *i < cameras.len());
+    named.or_else(by_index).ok_or_else(|| {
+        if cameras.is_empty() {
+            return Error::setting("--camera", name, "a scene with cameras; this one has none");
+        }
+        let names: Vec<&str> = cameras.iter().map(|c| c.name.as_str()).collect();
+        let hint = nearest(name, names.iter().copied().filter(|n| !n.is_empty()))
+            .map(|n| format!("; did you mean {n}?"))
+            .unwrap_or_default();
+        let range = format!("an index below {} or one of {}{hint}", cameras.len(), names.join(", "));
+        Error::setting("--camera", name, range)
+    })
+}
+
+/// The picture size for an aspect (width over height).
+fn size_for(aspect: f32) -> (usize, usize) {
+    let (w, h) = if aspect >= 1.0 {
+        (DEFAULT_SIDE, DEFAULT_SIDE / aspect)
+    } else {
+        (DEFAULT_SIDE * aspect, DEFAULT_SIDE)
+    };
+    let side = |s: f32| (s.round().max(1.0) as usize).min(LONGEST_SIDE);
+    debug_assert!(side(w) * side(h) <= MOST_PIXELS);
+    (side(w), side(h))
+}
+
+/// The default view with the eye, the target, or both given by hand.
+fn by_hand_view(
+    default: Pose,
+    from: Option<[f32; 3]>,
+    look_at: Option<[f32; 3]>,
+    bounds: &Bounds,
+) -> Pose {
+    let target = look_at.map_or(bounds.centre(), Vec3::from);
+    let distance = (default.position - bounds.centre()).length();
+    let eye = from.map_or(target - default.forward * distance, Vec3::from);
+    Pose::look_at(eye, target, Vec3::Y, default.projection)
+}
