@@ -11,6 +11,7 @@
 //!
 //! Format: *OpenEXR File Layout*, Academy Software Foundation.
 
+mod compression;
 mod cursor;
 mod header;
 mod layout;

@@ -1,7 +1,7 @@
 //! JPEG, reading only: baseline and progressive, grey, YCbCr, RGB and CMYK.
 
 use super::Limits;
-use super::limits::check_plausible;
+use super::limits::{self, check_plausible};
 use crate::Plane;
 use chiaro_basis::{Error, Result};
 use image::codecs::jpeg::JpegDecoder;
@@ -32,8 +32,7 @@ pub(super) fn decode(bytes: &[u8], name: &str, limits: &Limits) -> Result<Plane<
 }
 
 fn damaged(name: &str, why: impl std::fmt::Display) -> Error {
-    let why = format!("the JPEG data cannot be read ({why}); save the picture again, as PNG");
-    Error::input(name, "", why)
+    limits::damaged(name, "JPEG", why)
 }
 
 #[cfg(test)]

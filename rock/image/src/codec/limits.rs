@@ -1,4 +1,5 @@
-//! How large a picture may be, checked before any memory is asked for.
+//! How large a picture may be, checked before any memory is asked for, and the errors that every
+//! decoder shares.
 
 use chiaro_basis::{Error, Result};
 
@@ -60,6 +61,19 @@ pub(super) fn check_plausible(name: &str, bytes: usize, unpacked: u64, ratio: u6
     }
     let why = format!("{bytes} bytes cannot hold the {unpacked} bytes of pixels that it announces");
     Err(Error::input(name, "", why + "; the file is cut short or damaged"))
+}
+
+/// [`Error::Input`] for data that a library cannot decode, with its reason on one line.
+pub(super) fn damaged(name: &str, format: &str, why: impl std::fmt::Display) -> Error {
+    let why = one_line(why);
+    let sentence = format!("the {format} data cannot be read ({why}); save the picture again");
+    Error::input(name, "", sentence)
+}
+
+/// Text that may quote a hostile file, without line breaks and other control characters.
+pub(super) fn one_line(text: impl std::fmt::Display) -> String {
+    let text = text.to_string().replace(|c: char| c.is_control(), " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

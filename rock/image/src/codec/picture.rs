@@ -1,5 +1,6 @@
 //! Any picture a user hands over, told by its first bytes, never by its name.
 
+use super::limits::one_line;
 use super::png::{self, Stored};
 use super::{ExrImage, Limits, jpeg, read_exr};
 use crate::Plane;
@@ -80,7 +81,7 @@ fn no_colour(name: &str, image: &ExrImage) -> Error {
     let names: Vec<&str> = image.layers.iter().map(|(name, _)| name.as_str()).take(8).collect();
     let why = format!(
         "there are no channels R, G and B, nor Y, among {}; add the combined pass to the file",
-        names.join(", ")
+        one_line(names.join(", "))
     );
     Error::input(name, "", why)
 }

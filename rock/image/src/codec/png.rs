@@ -5,7 +5,7 @@
 //! gamma of the files read are not applied.
 
 use super::Limits;
-use super::limits::check_plausible;
+use super::limits::{self, check_plausible};
 use crate::Plane;
 use chiaro_basis::{Error, Result};
 use png::{BitDepth, ColorType, Decoder, Encoder, Reader, SrgbRenderingIntent, Transformations};
@@ -134,8 +134,7 @@ fn rgba<T: Copy>((width, height): (usize, usize), samples: Vec<T>, grey: bool) -
 }
 
 fn damaged(name: &str, why: impl std::fmt::Display) -> Error {
-    let why = format!("the PNG data cannot be read ({why}); save or export the picture again");
-    Error::input(name, "", why)
+    limits::damaged(name, "PNG", why)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! A walk over bytes that may end anywhere.
 
+use crate::codec::limits::one_line;
 use chiaro_basis::{Error, Result};
 
 /// The bytes of one file, read from the front, and the file's name for error messages.
@@ -21,7 +22,8 @@ impl<'a> Cursor<'a> {
 
     /// An [`Error::Input`] about this file.
     pub(super) fn wrong(&self, why: impl std::fmt::Display) -> Error {
-        Error::input(self.name, "", format!("{why}; export the OpenEXR file again"))
+        let why = one_line(why);
+        Error::input(self.name, "", why + "; export the OpenEXR file again")
     }
 
     pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8]> {

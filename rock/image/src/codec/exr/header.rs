@@ -136,12 +136,12 @@ fn channels(mut value: Cursor) -> Result<Vec<Channel>> {
             2 => SampleType::F32,
             other => return Err(value.wrong(format!("channel {name} has samples of kind {other}"))),
         };
-        value.take(4)?;
+        let linear = value.take(4)?[0] != 0;
         if (value.u32()?, value.u32()?) != (1, 1) {
             let why = format!("channel {name} has a lower resolution: it must be saved as RGB");
             return Err(value.wrong(why));
         }
-        list.push(Channel { name, sample });
+        list.push(Channel { name, sample, linear });
     }
     if list.is_empty() { Err(value.wrong("the file has no channel")) } else { Ok(list) }
 }
@@ -232,7 +232,8 @@ fn channel_bytes(channels: &[Channel]) -> Vec<u8> {
             SampleType::F16 => 1,
             SampleType::F32 => 2,
         };
-        let numbers = [sample, 0, 1, 1].into_iter().flat_map(u32::to_le_bytes);
+        let numbers =
+            [sample, u32::from(channel.linear), 1, 1].into_iter().flat_map(u32::to_le_bytes);
         zero_ended(&channel.name).chain(numbers).collect::<Vec<u8>>()
     };
     channels.iter().flat_map(entry).chain([0]).collect()

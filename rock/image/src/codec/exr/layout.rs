@@ -27,6 +27,8 @@ impl Window {
 pub(super) struct Channel {
     pub(super) name: String,
     pub(super) sample: SampleType,
+    /// Whether lossy compressions treat the values as evenly spread, not as light.
+    pub(super) linear: bool,
 }
 
 /// Tiles instead of scan lines: their size, and the levels that follow the picture itself.
@@ -130,7 +132,11 @@ impl Part {
     /// What the compression library needs to know of this part.
     pub(super) fn library_header(&self) -> Header {
         let channel = |c: &Channel| {
-            ChannelDescription::new(Text::from_slice_unchecked(c.name.as_bytes()), c.sample, false)
+            ChannelDescription::new(
+                Text::from_slice_unchecked(c.name.as_bytes()),
+                c.sample,
+                c.linear,
+            )
         };
         let size = Vec2(self.window.width, self.window.height);
         let blocks = self.tiles.map_or(BlockDescription::ScanLines, |tiles| {

@@ -4,6 +4,7 @@
 //! byte of the file is then unpacked at most once, however the table is forged, and files whose
 //! table was never written (a render that crashed) still open.
 
+use super::compression;
 use super::cursor::Cursor;
 use super::header::{self, Headers};
 use super::layout::{Block, Part, Window};
@@ -11,9 +12,9 @@ use super::{ExrChannel, ExrImage};
 use crate::Plane;
 use crate::codec::Limits;
 use chiaro_basis::Result;
-use exr::meta::attribute::{Compression, IntegerBounds, SampleType};
+use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
-use exr::prelude::{Vec2, f16};
+use exr::prelude::f16;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -38,24 +39,6 @@ pub fn read_exr(bytes: &[u8], name: &str, limits: &Limits) -> Result<ExrImage> {
     Ok(image(&headers.parts, planes))
 }
 
-/// Bytes that one byte in the file can unpack to, at most.
-fn ratio(compression: Compression) -> u64 {
-    match compression {
-        Compression::Uncompressed => 1,
-        // Two bytes hold a run of 128.
-        Compression::RLE => 64,
-        // Deflate holds 258 bytes in two bits; PXR24 drops a quarter of a float besides.
-        Compression::ZIP1 | Compression::ZIP16 => 1032,
-        Compression::PXR24 => 1376,
-        // Huffman codes hold a run of 255 words in nine bits.
-        Compression::PIZ => 512,
-        // Three bytes hold a flat block of 16 half floats.
-        Compression::B44 | Compression::B44A => 11,
-        // Two bytes hold an even block of 64 half floats, and are deflated.
-        _ => 64 * 1032,
-    }
-}
-
 /// Checks what will be allocated against the limits and against the length of the file.
 fn check_sizes(headers: &Headers, length: usize, name: &str, limits: &Limits) -> Result<()> {
     let parts = &headers.parts;
@@ -69,7 +52,7 @@ fn check_sizes(headers: &Headers, length: usize, name: &str, limits: &Limits) ->
         let size = (part.window.width as u64, part.window.height as u64);
         limits.check(name, size, 4 * channels)?;
         let bytes = part.window.pixels().saturating_mul(part.bytes_per_pixel() as u64);
-        least = least.saturating_add(bytes / ratio(part.compression));
+        least = least.saturating_add(bytes / compression::ratio(part.compression));
         largest = largest.max(part.window.pixels());
     }
     if least > length as u64 {
@@ -154,18 +137,8 @@ fn unpack(headers: &Headers, chunks: &[Chunk], planes: &mut [Vec<ExrChannel>]) -
     Ok(())
 }
 
-/// The samples of a chunk, line by line and within a line channel by channel.
 fn samples(chunk: &Chunk, library: &Header) -> std::result::Result<Vec<u8>, String> {
-    let Block { width, height, .. } = chunk.block;
-    let size = width * height * library.channels.bytes_per_pixel;
-    if chunk.data.is_empty() || chunk.data.len() > size {
-        return Err("a block of pixels has a wrong length".into());
-    }
-    let area = IntegerBounds::new((0, 0), Vec2(width, height));
-    library
-        .compression
-        .decompress_image_section_from_le(library, chunk.data.to_vec(), area, false)
-        .map_err(|why| format!("a block of pixels is damaged ({why})"))
+    compression::unpack(chunk.data, (chunk.block.width, chunk.block.height), library)
 }
 
 /// Lays the samples of a block into the planes of its part.

@@ -80,6 +80,7 @@ fn part(image: &ExrImage, layers: &[&(String, ExrChannel)]) -> Part {
             ExrChannel::F32(_) => SampleType::F32,
             ExrChannel::U32(_) => SampleType::U32,
         },
+        linear: false,
     };
     Part {
         name: None,
