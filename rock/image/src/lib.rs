@@ -3,6 +3,8 @@
 pub mod codec;
 pub mod colour;
 pub mod filter;
+pub mod labels;
+pub mod metric;
 mod plane;
 pub mod statistics;
 
