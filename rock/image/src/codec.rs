@@ -5,6 +5,7 @@
 //! hostile: sizes are checked against [`Limits`] and against what a file of that length can hold
 //! *before* memory is asked for, and anything wrong is one sentence that names the file.
 
+mod apng;
 mod exr;
 mod jpeg;
 mod limits;
@@ -12,6 +13,7 @@ mod pbm;
 mod picture;
 mod png;
 
+pub use apng::write_apng;
 pub use exr::{ExrChannel, ExrImage, read_exr, write_exr};
 pub use limits::Limits;
 pub use pbm::{read_pbm, write_pbm};

@@ -10,8 +10,12 @@ use chiaro_basis::{Error, Result, nearest};
 /// values over 1 go on along it.
 pub fn srgb_encode(linear: f32) -> f32 {
     let v = linear.abs();
-    let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-    encoded.copysign(linear)
+    if v <= 0.003_130_8 {
+        return 12.92 * linear;
+    }
+    // In double precision, so that 1 is 1.
+    let encoded = 1.055 * f64::from(v.powf(1.0 / 2.4)) - 0.055;
+    (encoded as f32).copysign(linear)
 }
 
 /// The sRGB curve backwards: encoded to linear.
@@ -111,6 +115,8 @@ mod tests {
         assert_eq!(to_byte(srgb_encode(0.5)), 188);
         assert!((srgb_decode(128.0 / 255.0) - 0.215_860_5).abs() < 1e-6);
         assert_eq!(srgb_encode(-0.5), -srgb_encode(0.5));
+        assert_eq!([0.0, 1.0].map(srgb_encode), [0.0, 1.0]);
+        assert_eq!([0.0, 1.0].map(srgb_decode), [0.0, 1.0]);
     }
 
     #[test]

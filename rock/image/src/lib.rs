@@ -6,6 +6,7 @@ pub mod filter;
 pub mod labels;
 pub mod metric;
 mod plane;
+pub mod resample;
 pub mod statistics;
 
 pub use plane::Plane;

@@ -107,7 +107,7 @@ fn mutants() -> u64 {
 fn attack<T>(
     what: &str,
     seed: &[u8],
-    mend: impl Fn(&mut Vec<u8>),
+    mend: impl Fn(&mut [u8]),
     decode: impl Fn(&[u8], &str) -> Result<T>,
 ) {
     let _alone = GATE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -125,7 +125,7 @@ fn attack<T>(
 }
 
 /// Sets the checksums of all chunks of a PNG right.
-fn mend_png(bytes: &mut Vec<u8>) {
+fn mend_png(bytes: &mut [u8]) {
     let mut at = 8;
     while let Some(length) = bytes.get(at..at + 4) {
         let length = u32::from_be_bytes([length[0], length[1], length[2], length[3]]) as usize;
@@ -143,7 +143,7 @@ fn mend_png(bytes: &mut Vec<u8>) {
     }
 }
 
-fn unmended(_: &mut Vec<u8>) {}
+fn unmended(_: &mut [u8]) {}
 
 fn read_any(bytes: &[u8], name: &str) -> Result<Plane<[f32; 4]>> {
     read_colour(bytes, name, &LIMITS)
