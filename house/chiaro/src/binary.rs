@@ -20,7 +20,7 @@ use chiaro_image::labels::components;
 use chiaro_image::{Plane, codec};
 use chiaro_scene::{Frame, Pose};
 use chiaro_trace::{GBuffer, Lamp, Surfaces, Tracer};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// Frames that a shot's exposure is surveyed on, at most, and their height in pixels.
 const SURVEY_FRAMES: usize = 5;
@@ -104,12 +104,29 @@ impl<'a> Shot<'a> {
         expose(&views(false)?, false, &self.knobs, run)
     }
 
+    /// One frame with every channel, for files that other programs read.
+    pub fn everything(&self, frame: &Frame, number: u32, run: &Run) -> Result<View> {
+        self.render(frame, number, self.camera.size, self.exposure.shadows, |_| true, run)
+    }
+
     fn view(
         &self,
         frame: &Frame,
         number: u32,
         size: (usize, usize),
         shadows: bool,
+        run: &Run,
+    ) -> Result<View> {
+        self.render(frame, number, size, shadows, |c| c.is_used(&self.knobs), run)
+    }
+
+    fn render(
+        &self,
+        frame: &Frame,
+        number: u32,
+        size: (usize, usize),
+        shadows: bool,
+        wanted: impl Fn(Channel) -> bool,
         run: &Run,
     ) -> Result<View> {
         let pixels = (size.0 * size.1) as u64;
@@ -125,9 +142,30 @@ impl<'a> Shot<'a> {
         let channels = run.stage("channels", pixels, || {
             let lit =
                 Lit { tracer: &tracer, surfaces: &self.surfaces, buffer: &buffer, lamps: &lamps };
-            Channels::render(&lit, |c: Channel| c.is_used(&self.knobs), &self.knobs, shadows, run)
+            Channels::render(&lit, wanted, &self.knobs, shadows, run)
         })?;
         Ok(View { buffer, channels })
+    }
+
+    /// What decides the view and the light, for recipes.
+    pub fn view_settings(&self) -> Map<String, Value> {
+        let (project, o) = (self.project, &self.project.options);
+        let mut s = Map::new();
+        let mut put = |name: &str, value: Value| s.insert(name.into(), value);
+        put("input", project.file_name().into());
+        put("input_sha256", project.hash.clone().into());
+        put("size", json!([self.camera.size.0, self.camera.size.1]));
+        put("camera", self.camera.note.clone().into());
+        put("camera_choice", json!({
+            "camera": o.camera, "from": o.from, "look_at": o.look_at, "fov": o.fov,
+            "orbit": o.orbit, "turntable": o.turntable, "up": format!("{:?}", o.up),
+        }));
+        put("time", json!({
+            "fps": o.fps, "time": o.time, "loop": o.looped,
+            "animation": format!("{:?}", o.animation), "shot": project.shot(),
+        }));
+        put("sun", json!(o.sun));
+        s
     }
 
     fn lamps(&self, frame: &Frame) -> Vec<Lamp> {
@@ -246,23 +284,9 @@ impl Job<'_> {
         }
     }
 
-    fn settings(&self, shot: &Shot<'_>) -> serde_json::Map<String, Value> {
-        let mut s = serde_json::Map::new();
-        let o = &self.project.options;
-        s.insert("input".into(), self.project.file_name().into());
-        s.insert("input_sha256".into(), self.project.hash.clone().into());
+    fn settings(&self, shot: &Shot<'_>) -> Map<String, Value> {
+        let mut s = shot.view_settings();
         s.insert("style".into(), self.style.name.clone().into());
-        s.insert("size".into(), json!([shot.camera.size.0, shot.camera.size.1]));
-        s.insert("camera".into(), shot.camera.note.clone().into());
-        s.insert("camera_choice".into(), json!({
-            "camera": o.camera, "from": o.from, "look_at": o.look_at, "fov": o.fov,
-            "orbit": o.orbit, "turntable": o.turntable, "up": format!("{:?}", o.up),
-        }));
-        s.insert("time".into(), json!({
-            "fps": o.fps, "time": o.time, "loop": o.looped,
-            "animation": format!("{:?}", o.animation), "shot": self.project.shot(),
-        }));
-        s.insert("sun".into(), json!(o.sun));
         s.insert("colours".into(), json!({
             "ink": self.colours.ink, "paper": self.colours.paper,
             "background": self.colours.background,
@@ -297,6 +321,11 @@ fn json_of(value: &chiaro_basis::Value) -> Value {
         chiaro_basis::Value::Switch(b) => json!(b),
         chiaro_basis::Value::Word(w) => json!(w),
     }
+}
+
+/// Whether a binary job can write such a file.
+pub fn check_target(target: &Target) -> Result<()> {
+    Encoding::of(target).map(drop)
 }
 
 /// How a frame becomes bytes.

@@ -14,6 +14,7 @@ pub mod film;
 pub mod gbuffer;
 pub mod info;
 pub mod number;
+pub mod page;
 pub mod project;
 pub mod record;
 pub mod style;

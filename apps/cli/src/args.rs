@@ -1,0 +1,279 @@
+//! Arguments as typed: one table for parser, help, man page and completions.
+
+use chiaro::number::{parse_frames, parse_numbers, parse_size};
+use chiaro::project::{Options, parse_point};
+use chiaro_basis::{Error, Result};
+use chiaro_scene::Choice;
+use chiaro_scene::load::Up;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Animated 3D scenes with few marks and much light.
+#[derive(Parser)]
+#[command(name = "chiaro", version, about, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Make pictures from embedded scenes through every pipeline, and a page that shows them.
+    Demo {
+        /// Folder for the pictures and index.html.
+        #[arg(short, long, default_value = "chiaro-demo")]
+        output: PathBuf,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Say what is in a scene: meshes, triangles, cameras, lights, clips, warnings.
+    Info {
+        #[command(flatten)]
+        scene: SceneArgs,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Write depth, normals, ids, motion and appearance as named EXR layers.
+    Gbuffer {
+        #[command(flatten)]
+        scene: SceneArgs,
+        /// An .exr file, or a pattern such as out/####.exr.
+        #[arg(short, long)]
+        output: PathBuf,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Draw a scene in black and white, balancing appearance against geometry by a minimal cut.
+    Binary {
+        #[command(flatten)]
+        scene: SceneArgs,
+        /// A .png, .pbm or .apng file, a pattern such as frames/####.png, or a folder.
+        #[arg(short, long)]
+        output: PathBuf,
+        #[command(flatten)]
+        ink: InkArgs,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Measure how two pictures differ: PSNR, RMSE, changed pixels.
+    Compare {
+        /// The picture to judge (PNG, JPEG or EXR).
+        a: PathBuf,
+        /// The picture to judge it by.
+        b: PathBuf,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Remake figures of the thesis as contact sheets, with a page that shows them.
+    Figures {
+        /// Which: 3.4, 3.5, 3.6, 3.7, 3.8, 3.10; none means all.
+        names: Vec<String>,
+        /// Folder for the sheets and index.html.
+        #[arg(short, long, default_value = "chiaro-figures")]
+        output: PathBuf,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// List the named styles, or show one as TOML to start your own from.
+    Style {
+        #[command(subcommand)]
+        action: StyleAction,
+    },
+    /// Print completions for a shell.
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page.
+    Man,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum StyleAction {
+    /// Name and description of each style.
+    List {
+        /// Also draw a sheet of thumbnails into this PNG file.
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// A style as TOML, every knob with its help.
+    Show {
+        /// The style's name.
+        name: String,
+    },
+}
+
+/// Options of every command that works for a while.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct Common {
+    /// Threads; 0 or none means all cores. The result does not depend on it.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<usize>,
+    /// Write the record as JSON to a file, or to standard output alone with -.
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<String>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+    /// Print each stage with its time.
+    #[arg(short, long)]
+    pub(crate) verbose: bool,
+}
+
+/// A scene with its view, its time and its film.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct SceneArgs {
+    /// A .gltf, .glb, .obj, .ply or .stl file, or demo:NAME.
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: String,
+    /// Picture size in pixels [default: the camera's or the shape's aspect, 1024 on the longer side].
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// A camera of the scene.
+    #[arg(long, value_name = "NAME|INDEX")]
+    camera: Option<String>,
+    /// The eye's place in scene units.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    from: Option<String>,
+    /// What the eye looks at, in scene units.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    look_at: Option<String>,
+    /// Vertical angle of view in degrees.
+    #[arg(long, value_name = "DEG")]
+    fov: Option<f32>,
+    /// Turn the default view.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, default_value_t = 0.0)]
+    orbit: f32,
+    /// Turn the default view once round over the shot.
+    #[arg(long)]
+    turntable: bool,
+    /// Which way is up: y, z, -y, or auto.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, default_value = "auto")]
+    up: String,
+    /// Frames to write: 7, 1-48, 1-100x2, or a list with commas.
+    #[arg(long, value_name = "LIST")]
+    frames: Option<String>,
+    /// Frames over which the film's decisions are taken [default: --frames].
+    #[arg(long, value_name = "LIST")]
+    shot: Option<String>,
+    /// Frames a second.
+    #[arg(long, value_name = "N", default_value_t = 24.0)]
+    fps: f64,
+    /// One picture at this time.
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frames")]
+    time: Option<f64>,
+    /// Start animations again after their end.
+    #[arg(long = "loop")]
+    looped: bool,
+    /// Which animation plays; all: every one, later ones winning.
+    #[arg(long, value_name = "NAME|INDEX|all")]
+    animation: Option<String>,
+    /// Light the scene with a sun at this azimuth and elevation alone.
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true)]
+    sun: Option<String>,
+    /// Make missing files errors.
+    #[arg(long)]
+    strict: bool,
+}
+
+/// How it is drawn.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct InkArgs {
+    /// A named style, or a TOML file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "ink")]
+    pub(crate) style: String,
+    /// Set a knob; `chiaro style show ink` lists them all.
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub(crate) sets: Vec<String>,
+    /// Colour where there is nothing, or none.
+    #[arg(long, value_name = "COLOUR", default_value = "white")]
+    pub(crate) background: String,
+    /// Colour of the ink.
+    #[arg(long, value_name = "COLOUR", default_value = "black")]
+    pub(crate) ink: String,
+}
+
+impl Command {
+    /// The options that all long commands share.
+    pub(crate) fn common(&self) -> Option<&Common> {
+        match self {
+            Self::Demo { common, .. }
+            | Self::Info { common, .. }
+            | Self::Gbuffer { common, .. }
+            | Self::Binary { common, .. }
+            | Self::Compare { common, .. }
+            | Self::Figures { common, .. }
+            | Self::Style { action: StyleAction::List { common, .. } } => Some(common),
+            Self::Style { .. } | Self::Completions { .. } | Self::Man => None,
+        }
+    }
+}
+
+impl SceneArgs {
+    /// What the arguments mean.
+    pub(crate) fn options(&self) -> Result<Options> {
+        let frames = |option: &str, text: &Option<String>| {
+            text.as_deref().map(|t| parse_frames(option, t)).transpose()
+        };
+        let point = |option: &str, text: &Option<String>| {
+            text.as_deref().map(|t| parse_point(option, t)).transpose()
+        };
+        let options = Options {
+            size: self.size.as_deref().map(parse_size).transpose()?,
+            camera: self.camera.clone(),
+            from: point("--from", &self.from)?,
+            look_at: point("--look-at", &self.look_at)?,
+            fov: self.fov,
+            orbit: within("--orbit", f64::from(self.orbit), -36000.0, 36000.0)? as f32,
+            turntable: self.turntable,
+            up: Up::parse(&self.up)?,
+            frames: frames("--frames", &self.frames)?,
+            shot: frames("--shot", &self.shot)?,
+            fps: within("--fps", self.fps, 0.001, 10_000.0)?,
+            time: self.time.map(|t| within("--time", t, 0.0, 1e9)).transpose()?,
+            looped: self.looped,
+            animation: match self.animation.as_deref() {
+                None => Choice::Auto,
+                Some("all") => Choice::All,
+                Some(name) => Choice::One(name.into()),
+            },
+            sun: self.sun.as_deref().map(parse_sun).transpose()?,
+            strict: self.strict,
+        };
+        check_shot(&options)?;
+        Ok(options)
+    }
+}
+
+fn parse_sun(text: &str) -> Result<[f32; 2]> {
+    parse_numbers("--sun", text, "AZIMUTH,ELEVATION in degrees, as in -40,50")
+}
+
+fn within(option: &str, value: f64, min: f64, max: f64) -> Result<f64> {
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        Err(Error::setting(option, value, format!("a number from {min} to {max}")))
+    }
+}
+
+fn check_shot(options: &Options) -> Result<()> {
+    let (Some(frames), Some(shot)) = (&options.frames, &options.shot) else { return Ok(()) };
+    match frames.iter().find(|f| shot.binary_search(f).is_err()) {
+        Some(outside) => Err(Error::setting("--frames", outside, "frames of the --shot")),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_table_of_arguments_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

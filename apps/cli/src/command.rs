@@ -1,0 +1,135 @@
+//! Commands: what each does, and what it says at the end.
+
+use crate::args::{Cli, Command, InkArgs, StyleAction};
+use chiaro::binary::{self, Colours};
+use chiaro::film::Target;
+use chiaro::project::Project;
+use chiaro::record::Record;
+use chiaro::style::{self, Style};
+use chiaro::{compare, demo, figures, gbuffer, info};
+use chiaro_basis::{Error, Result, Run};
+use chiaro_image::colour::parse_colour;
+use clap::CommandFactory;
+use std::io::Write;
+
+/// Runs a command; the record of those that have one.
+pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
+    match command {
+        Command::Demo { output, .. } => demo::demo(output, run).map(Some),
+        Command::Info { scene, .. } => {
+            let project = Project::open(&scene.scene, scene.options()?, run)?;
+            info::info(&project, run).map(Some)
+        }
+        Command::Gbuffer { scene, output, .. } => {
+            let project = Project::open(&scene.scene, scene.options()?, run)?;
+            let target = Target::parse(output, project.frames().len())?;
+            gbuffer::Job { project: &project, target }.run(run).map(Some)
+        }
+        Command::Binary { scene, output, ink, .. } => {
+            let options = scene.options()?;
+            let (style, knobs) = knobs(ink)?;
+            let colours = colours(ink)?;
+            let frames = options.frames.as_ref().map_or(1, Vec::len);
+            let target = Target::parse(output, frames)?;
+            binary::check_target(&target)?;
+            let project = Project::open(&scene.scene, options, run)?;
+            let job =
+                binary::Job { project: &project, style: &style, knobs: &knobs, colours, target };
+            job.run(run).map(Some)
+        }
+        Command::Compare { a, b, .. } => compare::compare(a, b, run).map(Some),
+        Command::Figures { names, output, .. } => figures::figures(names, output, run).map(Some),
+        Command::Style { action: StyleAction::List { output, .. } } => list_styles(output, run),
+        Command::Style { action: StyleAction::Show { name } } => {
+            print(Style::find(name)?.to_toml().as_bytes())
+        }
+        Command::Completions { shell } => {
+            let mut bytes = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "chiaro", &mut bytes);
+            print(&bytes)
+        }
+        Command::Man => print(&man()?),
+    }
+}
+
+fn knobs(ink: &InkArgs) -> Result<(Style, chiaro_binary::BinaryKnobs)> {
+    let style = Style::find(&ink.style)?;
+    let mut knobs = style.binary.clone();
+    for text in &ink.sets {
+        style::set(&mut knobs, text)?;
+    }
+    Ok((style, knobs))
+}
+
+fn colours(ink: &InkArgs) -> Result<Colours> {
+    let named = |option: &str, text: &str| {
+        parse_colour(text).map_err(|e| match e {
+            Error::Setting { got, range, .. } => Error::setting(option, got, range),
+            other => other,
+        })
+    };
+    Ok(Colours {
+        ink: named("--ink", &ink.ink)?,
+        background: named("--background", &ink.background)?,
+        ..Colours::default()
+    })
+}
+
+fn list_styles(output: &Option<std::path::PathBuf>, run: &Run) -> Result<Option<Record>> {
+    let mut text = String::new();
+    for style in Style::all()? {
+        text += &format!("{:<8} {}\n", style.name, style.description);
+    }
+    print(text.as_bytes())?;
+    match output {
+        Some(path) => figures::style_sheet(path, run).map(Some),
+        None => Ok(None),
+    }
+}
+
+/// The manual: a page for the program and one for each command.
+fn man() -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let root = Cli::command();
+    let fail = |e: std::io::Error| Error::output("the manual page", e);
+    clap_mangen::Man::new(root.clone()).render(&mut bytes).map_err(fail)?;
+    for sub in root.get_subcommands() {
+        let name: &'static str = format!("chiaro-{}", sub.get_name()).leak();
+        clap_mangen::Man::new(sub.clone().name(name)).render(&mut bytes).map_err(fail)?;
+    }
+    Ok(bytes)
+}
+
+fn print(bytes: &[u8]) -> Result<Option<Record>> {
+    match std::io::stdout().write_all(bytes) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::output("standard output", e))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// What a command says at its end, for people.
+pub(crate) fn summary(command: &Command, record: &Record) -> String {
+    let quiet = command.common().is_some_and(|c| c.quiet);
+    match command {
+        Command::Info { .. } => info::text(record),
+        Command::Compare { .. } => {
+            record.counts.iter().map(|(name, value)| format!("{name:<18} {value}\n")).collect()
+        }
+        _ if quiet => String::new(),
+        Command::Demo { output, .. } | Command::Figures { output, .. } => {
+            format!("open {}\n", output.join("index.html").display())
+        }
+        _ => match record.outputs.as_slice() {
+            [] => String::new(),
+            [one] => format!("{}\n", one.path.display()),
+            [first, .., last] => format!(
+                "{} files, {} to {}\n",
+                record.outputs.len(),
+                first.path.display(),
+                last.path.display()
+            ),
+        },
+    }
+}

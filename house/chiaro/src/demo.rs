@@ -1,0 +1,84 @@
+//! `chiaro demo`: pictures from embedded scenes through every pipeline there is, a short film, and
+//! a page that shows them.
+
+use crate::binary::{Colours, Job};
+use crate::film::Target;
+use crate::page::{self, Section};
+use crate::project::{Options, Project};
+use crate::record::Record;
+use crate::style::Style;
+use crate::write;
+use chiaro_basis::{Result, Run};
+use std::path::Path;
+
+/// One still of the demo: scene, style, height in pixels, caption.
+const STILLS: [(&str, &str, &str); 8] = [
+    ("head", "ink", "A head in the default style: solid blacks, borders on its features."),
+    ("desk", "ink", "A desk: white lines inside black keep its parts apart."),
+    ("cactus", "brush", "Brush: hollows filled, heavy lines, much white."),
+    ("bumpy-torus", "etched", "Etched: every bump, cut fine."),
+    ("courtyard", "noir", "Noir: one hard lamp, white lines in the dark."),
+    ("bowl", "gloss", "Gloss: dark lacquer with bright highlights."),
+    ("golf-ball", "etched", "A golf ball: shape from a hundred dimples."),
+    ("head", "noir", "The same head by night."),
+];
+
+/// The film: scene, frames, caption.
+const FILM: (&str, u32, &str) =
+    ("bumpy-torus", 24, "A turning torus; every frame is a minimal cut of its own.");
+
+/// Makes the demo in `folder`.
+pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
+    let mut record = Record::new("demo");
+    let mut pictures = Vec::new();
+    for (scene, style, caption) in STILLS {
+        let file = format!("{scene}-{style}.png");
+        let options = Options::default();
+        let outputs = draw(scene, style, options, &folder.join(&file), run)?;
+        record.outputs.extend(outputs);
+        pictures.push((file, caption.to_owned()));
+    }
+    let film = "film.apng".to_owned();
+    let (scene, frames, caption) = FILM;
+    let options = Options {
+        size: Some((480, 360)),
+        frames: Some((1..=frames).map(|f| 2 * f - 1).collect()),
+        fps: 12.0,
+        ..Options::default()
+    };
+    record.outputs.extend(draw(scene, "ink", options, &folder.join(&film), run)?);
+    let sections = [
+        Section {
+            title: "Binary shading".into(),
+            text: "Black and white from a minimal cut over the image: appearance pulls each pixel \
+                   to black or white, geometry says where a border may run."
+                .into(),
+            pictures,
+        },
+        Section {
+            title: "A short film".into(),
+            text: "One exposure holds for the whole shot.".into(),
+            pictures: vec![(film, caption.into())],
+        },
+    ];
+    let intro = "Scenes built in code, drawn by this program. Every picture carries the recipe that made it.";
+    let html = page::html("chiaro", intro, &sections);
+    record.outputs.push(write::whole(&folder.join("index.html"), html.as_bytes())?);
+    Ok(record)
+}
+
+fn draw(
+    scene: &str,
+    style: &str,
+    options: Options,
+    path: &Path,
+    run: &Run,
+) -> Result<Vec<crate::record::Output>> {
+    let style = Style::find(style)?;
+    let project = Project::open(&format!("demo:{scene}"), options, run)?;
+    let target = Target::parse(path, project.frames().len())?;
+    let colours = Colours::default();
+    let job =
+        Job { project: &project, style: &style, knobs: &style.binary, colours, target };
+    Ok(job.run(run)?.outputs)
+}
