@@ -1,137 +1,158 @@
-//! The problem and its solution.
+//! [`Grid`]: the problem as the caller states it, its checks, and the cost of a labelling.
+//!
+//! The bounds checked here are what keeps every later sum from overflowing.
 
 use std::fmt;
 
-/// An undirected grid problem with eight neighbours. Slices hold `width * height` entries, row by
-/// row.
+/// The most pixels a grid may have: 2^28. Every cost then fits an `i64`, every index a `u32`.
+pub const MAX_PIXELS: usize = 1 << 28;
+
+/// The largest neighbour capacity: 2^27 - 1. The eight of a pixel then sum to less than 2^30.
+pub const MAX_NEIGHBOUR: i32 = (1 << 27) - 1;
+
+/// An undirected grid of pixels with eight neighbours each; every slice holds `width * height`
+/// values, row-major, x to the right, y down.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<'a> {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Which pixels are nodes.
+    /// Which pixels are nodes; the others have no cost and no edges.
     pub mask: &'a [bool],
-    /// Capacities to the white and to the black terminal, not negative: the first is paid when the
-    /// pixel ends black, the second when it ends white.
+    /// `[white, black]`, both 0 or more: `white` is paid when the pixel ends black, `black` when it
+    /// ends white.
     pub terminal: &'a [[i32; 2]],
-    /// Capacities to the neighbours E, SE, S and SW, not negative, paid when the two differ; ignored
-    /// where an edge leaves the picture or touches a pixel that is no node.
+    /// To the east, south-east, south and south-west, from 0 to [`MAX_NEIGHBOUR`]: paid when the
+    /// two pixels differ. Ignored where an edge leaves the picture or touches an unmasked pixel.
     pub neighbour: &'a [[i32; 4]],
 }
 
-/// A minimal cut.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cut {
-    /// White where true; black, or no node, elsewhere.
-    pub labels: Vec<bool>,
-    /// The maximal flow, with the smaller terminal capacity of every pixel.
-    pub flow: i64,
-    /// The capacity of the cut, added up again from the labels; equal to the flow.
-    pub cut: i64,
-}
-
-/// Why a grid is no problem to solve.
+/// Why a [`Grid`] has no cut.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GridError {
-    /// A slice is too short or too long.
+    /// More than [`MAX_PIXELS`] pixels.
+    TooManyPixels {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// A slice that does not hold one value a pixel.
     Length {
-        /// Which slice.
+        /// The name of the slice.
         slice: &'static str,
         /// Its length.
         got: usize,
-        /// `width * height`.
+        /// The number of pixels.
         expected: usize,
     },
-    /// A capacity is negative.
+    /// A capacity below zero.
     Negative {
-        /// The pixel's index.
-        pixel: usize,
+        /// Column of the pixel.
+        x: usize,
+        /// Row of the pixel.
+        y: usize,
+        /// The capacity.
+        got: i32,
     },
-    /// The capacities at a pixel add up to more than `i32::MAX`.
-    Overflow {
-        /// The pixel's index.
-        pixel: usize,
+    /// A neighbour capacity above [`MAX_NEIGHBOUR`], whose sums could overflow.
+    TooLarge {
+        /// Column of the pixel.
+        x: usize,
+        /// Row of the pixel.
+        y: usize,
+        /// The capacity.
+        got: i32,
     },
 }
 
 impl fmt::Display for GridError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match *self {
+            Self::TooManyPixels { width, height } => write!(
+                f,
+                "a grid of {width} x {height} pixels is beyond the limit of {MAX_PIXELS} pixels; cut it in parts"
+            ),
             Self::Length { slice, got, expected } => {
-                write!(f, "{slice} has {got} entries where width x height is {expected}")
+                write!(
+                    f,
+                    "`{slice}` has {got} values where the grid has {expected} pixels; give one a pixel"
+                )
             }
-            Self::Negative { pixel } => write!(f, "pixel {pixel} has a negative capacity"),
-            Self::Overflow { pixel } => {
-                write!(f, "the capacities at pixel {pixel} add up to more than {}", i32::MAX)
+            Self::Negative { x, y, got } => {
+                write!(f, "a capacity of pixel ({x}, {y}) is {got}; capacities are zero or more")
             }
+            Self::TooLarge { x, y, got } => write!(
+                f,
+                "a neighbour capacity of pixel ({x}, {y}) is {got}, above the limit of {MAX_NEIGHBOUR}; \
+                 scale all capacities down"
+            ),
         }
     }
 }
 
 impl std::error::Error for GridError {}
 
-/// Offsets to the neighbours E, SE, S, SW.
-const FORWARD: [(isize, isize); 4] = [(1, 0), (1, 1), (0, 1), (-1, 1)];
-
 impl Grid<'_> {
+    /// Holds the grid to the bounds that every later step relies on.
     pub(crate) fn check(&self) -> Result<(), GridError> {
-        let expected = self.width * self.height;
+        let (width, height) = (self.width, self.height);
+        let too_many = GridError::TooManyPixels { width, height };
+        let pixels = width.checked_mul(height).filter(|&n| n <= MAX_PIXELS).ok_or(too_many)?;
         let lengths = [
             ("mask", self.mask.len()),
             ("terminal", self.terminal.len()),
             ("neighbour", self.neighbour.len()),
         ];
-        for (slice, got) in lengths {
-            if got != expected {
-                return Err(GridError::Length { slice, got, expected });
-            }
-        }
-        let mut sums = vec![0i64; expected];
-        for pixel in (0..expected).filter(|&p| self.mask[p]) {
-            let [white, black] = self.terminal[pixel];
-            if white < 0 || black < 0 || self.neighbour[pixel].iter().any(|&c| c < 0) {
-                return Err(GridError::Negative { pixel });
-            }
-            sums[pixel] += i64::from(white) + i64::from(black);
-            for (other, capacity) in self.edges(pixel) {
-                sums[pixel] += i64::from(capacity);
-                sums[other] += i64::from(capacity);
-            }
-        }
-        match sums.iter().position(|&s| s > i64::from(i32::MAX)) {
-            Some(pixel) => Err(GridError::Overflow { pixel }),
-            None => Ok(()),
+        match lengths.into_iter().find(|&(_, got)| got != pixels) {
+            Some((slice, got)) => Err(GridError::Length { slice, got, expected: pixels }),
+            None => self.check_capacities(),
         }
     }
 
-    /// The edges from a node to nodes E, SE, S and SW of it, with their capacities.
-    pub(crate) fn edges(&self, pixel: usize) -> impl Iterator<Item = (usize, i32)> + '_ {
-        (0..4).filter_map(move |e| Some((self.neighbour_of(pixel, e)?, self.neighbour[pixel][e])))
-    }
-
-    /// The node in direction `e` (E, SE, S, SW), if there is one.
-    pub(crate) fn neighbour_of(&self, pixel: usize, e: usize) -> Option<usize> {
-        let (dx, dy) = FORWARD[e];
-        let x = (pixel % self.width).checked_add_signed(dx).filter(|&x| x < self.width)?;
-        let y = (pixel / self.width).checked_add_signed(dy).filter(|&y| y < self.height)?;
-        let other = y * self.width + x;
-        self.mask[other].then_some(other)
+    /// Finds the worst sign and size in one branch-free pass, and the culprit only if there is one.
+    fn check_capacities(&self) -> Result<(), GridError> {
+        let signs = self.terminal.as_flattened().iter().fold(0, |s, &c| s | c);
+        let bits = self.neighbour.as_flattened().iter().fold(0, |s, &c| s | c);
+        if signs >= 0 && (0..=MAX_NEIGHBOUR).contains(&bits) {
+            return Ok(());
+        }
+        let at = |i: usize| (i % self.width, i / self.width);
+        for (i, (terminal, neighbour)) in self.terminal.iter().zip(self.neighbour).enumerate() {
+            let (x, y) = at(i);
+            if let Some(&got) = terminal.iter().chain(neighbour).find(|&&c| c < 0) {
+                return Err(GridError::Negative { x, y, got });
+            }
+            if let Some(&got) = neighbour.iter().find(|&&c| c > MAX_NEIGHBOUR) {
+                return Err(GridError::TooLarge { x, y, got });
+            }
+        }
+        Ok(())
     }
 }
 
-/// What a labelling costs. Panics when `labels` is shorter than the grid.
+/// The cost of `labels` (`true` is white) on `grid`: the terminals and neighbours they cut.
+///
+/// # Panics
+/// When a slice does not hold one value a pixel.
 pub fn energy(grid: &Grid, labels: &[bool]) -> i64 {
-    let mut sum = 0;
-    for pixel in (0..grid.mask.len()).filter(|&p| grid.mask[p]) {
-        let [white, black] = grid.terminal[pixel];
-        sum += i64::from(if labels[pixel] { black } else { white });
-        for (other, capacity) in grid.edges(pixel) {
-            if labels[other] != labels[pixel] {
-                sum += i64::from(capacity);
-            }
-        }
-    }
-    sum
+    let pixels = grid.width * grid.height;
+    assert!(
+        [labels.len(), grid.mask.len(), grid.terminal.len(), grid.neighbour.len()] == [pixels; 4],
+        "one label, mask, terminal and neighbour value a pixel"
+    );
+    (0..pixels).filter(|&i| grid.mask[i]).map(|i| pixel_energy(grid, labels, i)).sum()
+}
+
+/// What pixel `i` pays: its terminal, and its neighbours to the east, south-east, south, south-west.
+fn pixel_energy(grid: &Grid, labels: &[bool], i: usize) -> i64 {
+    let (x, y, width) = (i % grid.width, i / grid.width, grid.width);
+    let (east, south, west) = (x + 1 < width, y + 1 < grid.height, x > 0);
+    let inside = [east, south && east, south, south && west];
+    let others = [i + 1, i + width + 1, i + width, i + width - 1];
+    let cut = |d: usize| inside[d] && grid.mask[others[d]] && labels[others[d]] != labels[i];
+    let bonds = (0..4).filter(|&d| cut(d)).map(|d| i64::from(grid.neighbour[i][d])).sum::<i64>();
+    i64::from(grid.terminal[i][usize::from(labels[i])]) + bonds
 }
