@@ -5,7 +5,7 @@
 //! a speck within a speck does not pull it along. A piece that touches no other label stays.
 
 use chiaro_image::Plane;
-use chiaro_image::labels::components;
+use chiaro_image::labels::{Components, UNCOVERED, components};
 
 /// `white` without pieces of fewer than `area` pixels.
 pub fn without_islands(white: &Plane<bool>, mask: &Plane<bool>, area: f32) -> Plane<bool> {
@@ -31,16 +31,70 @@ fn merge_smallest(white: &Plane<bool>, mask: &Plane<bool>, area: f32) -> Option<
         return None;
     }
     let mut flips: Vec<bool> = (0..pieces.pieces.len()).map(small).collect();
-    for (a, b) in pieces.touching() {
+    for (a, b) in touching(&pieces) {
         let (pa, pb) = (pieces.pieces[a].area, pieces.pieces[b].area);
         // Of two small neighbours the smaller goes, ties by id.
         if small(a) && small(b) {
             flips[if (pa, a) < (pb, b) { b } else { a }] = false;
         }
     }
-    let next = pieces.ids.zip(white, |id, w| match id {
-        Some(id) => *w != flips[*id as usize],
-        None => *w,
+    let next = pieces.ids.zip(white, |id, w| match *id {
+        UNCOVERED => *w,
+        id => *w != flips[id as usize],
     });
     Some(next.expect("pieces have the picture's size"))
+}
+
+/// Pairs of pieces that touch at a side or a corner, each once.
+fn touching(pieces: &Components<bool>) -> Vec<(usize, usize)> {
+    let (w, h) = pieces.ids.size();
+    let mut pairs = Vec::new();
+    for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
+        let a = pieces.ids[(x, y)];
+        for (dx, dy) in crate::geometry::EDGES {
+            if let Some(&b) = pieces.ids.at(x as isize + dx, y as isize + dy)
+                && a != b
+                && a != UNCOVERED
+                && b != UNCOVERED
+            {
+                pairs.push((a.min(b) as usize, a.max(b) as usize));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cleaned(rows: &[&str], area: f32) -> Vec<String> {
+        let (w, h) = (rows[0].len(), rows.len());
+        let white = Plane::from_fn(w, h, |x, y| rows[y].as_bytes()[x] == b'.');
+        let mask = Plane::from_fn(w, h, |x, y| rows[y].as_bytes()[x] != b' ');
+        let out = without_islands(&white, &mask, area);
+        let sign = |x, y| if !mask[(x, y)] { ' ' } else if out[(x, y)] { '.' } else { '#' };
+        (0..h).map(|y| (0..w).map(|x| sign(x, y)).collect()).collect()
+    }
+
+    #[test]
+    fn specks_take_the_colour_around_them() {
+        assert_eq!(cleaned(&["....", ".#..", "...."], 3.0), ["....", "....", "...."]);
+        assert_eq!(cleaned(&["....", ".##.", "...."], 2.0), ["....", ".##.", "...."]);
+    }
+
+    #[test]
+    fn what_touches_no_other_colour_stays() {
+        assert_eq!(cleaned(&["# ...", "  ..."], 3.0), ["# ...", "  ..."]);
+    }
+
+    #[test]
+    fn a_speck_within_a_speck_goes_first() {
+        let rows = [".........", "..#####..", "..##.##..", "..#####..", "........."];
+        let filled = [".........", "..#####..", "..#####..", "..#####..", "........."];
+        assert_eq!(cleaned(&rows, 5.0), filled);
+        assert_eq!(cleaned(&rows, 16.0)[2], ".........");
+    }
 }

@@ -8,7 +8,7 @@
 
 use crate::tracer::{Ray, Sides, Tracer};
 use chiaro_basis::math::{Quat, Vec3};
-use chiaro_scene::{Bounds, Pose, Projection};
+use chiaro_scene::{Bounds, Frame, Pose, Projection};
 use rayon::prelude::*;
 
 /// What the view was chosen for.
@@ -23,33 +23,54 @@ pub enum Setting {
 /// Rays from each grid point.
 const RAYS: usize = 96;
 
-/// The default view of a scene for a picture of this `aspect` (width over height), turned by
-/// `orbit` degrees.
-pub fn default_view(tracer: &Tracer, aspect: f32, orbit: f32) -> (Pose, Setting) {
-    let bounds = tracer.frame.bounds();
-    match room_view(tracer, &bounds, orbit) {
-        Some(pose) => (pose, Setting::Room),
-        None => (object_view(&corners(tracer), &bounds, aspect, orbit), Setting::Object),
-    }
+/// What a default view is made from: the shape over a shot, and whether it is a room.
+pub struct Framing {
+    /// The box of everything, over the shot.
+    pub bounds: Bounds,
+    points: Vec<Vec3>,
+    room: Option<Stand>,
 }
 
-/// A good aspect (width over height) for a scene without a camera: the shape's own in the default
-/// view, between 3:4 and 4:3; rooms are 4:3.
-pub fn default_aspect(tracer: &Tracer, orbit: f32) -> f32 {
-    let bounds = tracer.frame.bounds();
-    if room_view(tracer, &bounds, orbit).is_some() {
-        return 4.0 / 3.0;
+/// A place inside a room.
+struct Stand {
+    eye: Vec3,
+    forward: Vec3,
+}
+
+impl Framing {
+    /// The framing of a shot: `tracer` holds its first frame, `frames` are a few of all.
+    pub fn of(tracer: &Tracer, frames: &[Frame]) -> Self {
+        let points: Vec<Vec3> = frames.iter().flat_map(corners).collect();
+        let bounds = Bounds::of(frames.iter().flat_map(|f| {
+            let b = f.bounds();
+            [b.min, b.max]
+        }));
+        Self { bounds, points, room: stand_in_room(tracer, &tracer.frame.bounds()) }
     }
-    let pose = three_quarter(bounds.centre(), 1.0, orbit);
-    let flat = corners(tracer).into_iter().map(|p| pose.view(p));
-    let extent = Bounds::of(flat);
-    let size = extent.max - extent.min;
-    (size.x / size.y.max(f32::MIN_POSITIVE)).clamp(0.75, 4.0 / 3.0)
+
+    /// A good aspect (width over height): the shape's own in the default view, between 3:4 and
+    /// 4:3; rooms are 4:3.
+    pub fn aspect(&self, orbit: f32) -> f32 {
+        if self.room.is_some() {
+            return 4.0 / 3.0;
+        }
+        let pose = three_quarter(self.bounds.centre(), 1.0, orbit);
+        let extent = Bounds::of(self.points.iter().map(|p| pose.view(*p)));
+        let size = extent.max - extent.min;
+        (size.x / size.y.max(f32::MIN_POSITIVE)).clamp(0.75, 4.0 / 3.0)
+    }
+
+    /// The default view for a picture of this `aspect`, turned by `orbit` degrees.
+    pub fn view(&self, aspect: f32, orbit: f32) -> (Pose, Setting) {
+        match &self.room {
+            Some(stand) => (stand.view(orbit), Setting::Room),
+            None => (object_view(&self.points, &self.bounds, aspect, orbit), Setting::Object),
+        }
+    }
 }
 
 /// World positions of at most some thousands of vertices: enough to frame a shape.
-fn corners(tracer: &Tracer) -> Vec<Vec3> {
-    let frame = tracer.frame;
+fn corners(frame: &Frame) -> Vec<Vec3> {
     let all: usize = frame.objects.iter().map(|o| frame.shapes[o.shape].positions.len()).sum();
     let step = all / 20_000 + 1;
     frame.objects.iter().flat_map(|o| frame.world_positions(o)).step_by(step).collect()
@@ -84,8 +105,8 @@ fn object_view(points: &[Vec3], bounds: &Bounds, aspect: f32, orbit: f32) -> Pos
     pose
 }
 
-/// The view from inside, if the scene is a room.
-fn room_view(tracer: &Tracer, bounds: &Bounds, orbit: f32) -> Option<Pose> {
+/// Where to stand, if the scene is a room.
+fn stand_in_room(tracer: &Tracer, bounds: &Bounds) -> Option<Stand> {
     let diagonal = 2.0 * bounds.radius();
     let medians: Vec<Option<f32>> = grid(bounds)
         .into_par_iter()
@@ -97,7 +118,7 @@ fn room_view(tracer: &Tracer, bounds: &Bounds, orbit: f32) -> Option<Pose> {
         .filter_map(|(m, p)| m.map(|m| (m, p)))
         .max_by(|a, b| a.0.total_cmp(&b.0))?
         .1;
-    Some(stand(tracer, best, orbit))
+    Some(Stand::over(tracer, best))
 }
 
 /// Points of a coarse grid inside the box.
@@ -138,27 +159,33 @@ fn sphere() -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// The level view from above or below `point`, at 45 % of the room's height there, along the
-/// deepest quarter.
-fn stand(tracer: &Tracer, point: Vec3, orbit: f32) -> Pose {
-    let reach = |origin: Vec3, direction: Vec3| {
-        let ray = Ray { origin, direction, t_max: f32::INFINITY };
-        tracer.hit(&ray, Sides::Both).map_or(0.0, |h| h.t)
-    };
-    let floor = point.y - reach(point, -Vec3::Y);
-    let ceiling = point.y + reach(point, Vec3::Y);
-    let eye = Vec3::new(point.x, floor + 0.45 * (ceiling - floor), point.z);
-    const STEPS: usize = 72;
-    let heading = |k: usize| Quat::from_rotation_y(k as f32 * std::f32::consts::TAU / STEPS as f32);
-    let depths: Vec<f32> = (0..STEPS).map(|k| reach(eye, heading(k) * -Vec3::Z)).collect();
-    // A quarter of the circle, centred on k: the view is about as wide.
-    let quarter = |k: usize| -> f32 {
-        (0..=STEPS / 4).map(|i| depths[(k + STEPS + i - STEPS / 8) % STEPS]).sum()
-    };
-    let best = (0..STEPS).max_by(|&a, &b| quarter(a).total_cmp(&quarter(b))).unwrap_or(0);
-    let turn = Quat::from_rotation_y(orbit.to_radians());
-    let forward = turn * heading(best) * -Vec3::Z;
-    // 75 degrees wide at 4:3.
-    let fov_y = 2.0 * (0.75 * (37.5f32).to_radians().tan()).atan();
-    Pose::look_at(eye, eye + forward, Vec3::Y, Projection::Perspective { fov_y })
+impl Stand {
+    /// Above or below `point`, at 45 % of the room's height there, facing the deepest quarter.
+    fn over(tracer: &Tracer, point: Vec3) -> Self {
+        let reach = |origin: Vec3, direction: Vec3| {
+            let ray = Ray { origin, direction, t_max: f32::INFINITY };
+            tracer.hit(&ray, Sides::Both).map_or(0.0, |h| h.t)
+        };
+        let floor = point.y - reach(point, -Vec3::Y);
+        let ceiling = point.y + reach(point, Vec3::Y);
+        let eye = Vec3::new(point.x, floor + 0.45 * (ceiling - floor), point.z);
+        const STEPS: usize = 72;
+        let heading =
+            |k: usize| Quat::from_rotation_y(k as f32 * std::f32::consts::TAU / STEPS as f32);
+        let depths: Vec<f32> = (0..STEPS).map(|k| reach(eye, heading(k) * -Vec3::Z)).collect();
+        // A quarter of the circle, centred on k: the view is about as wide.
+        let quarter = |k: usize| -> f32 {
+            (0..=STEPS / 4).map(|i| depths[(k + STEPS + i - STEPS / 8) % STEPS]).sum()
+        };
+        let best = (0..STEPS).max_by(|&a, &b| quarter(a).total_cmp(&quarter(b))).unwrap_or(0);
+        Self { eye, forward: heading(best) * -Vec3::Z }
+    }
+
+    /// The level view, 75 degrees wide at 4:3.
+    fn view(&self, orbit: f32) -> Pose {
+        let forward = Quat::from_rotation_y(orbit.to_radians()) * self.forward;
+        let fov_y = 2.0 * (0.75 * (37.5f32).to_radians().tan()).atan();
+        let projection = Projection::Perspective { fov_y };
+        Pose::look_at(self.eye, self.eye + forward, Vec3::Y, projection)
+    }
 }

@@ -12,8 +12,8 @@ use crate::style::Style;
 use crate::write;
 use chiaro_basis::{Knobs, Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Channel, Channels, Exposure, LEAST_REACH, Lit, Marks, REFERENCE_HEIGHT,
-    Steps, View, compose, expose, one_bit, shade,
+    BinaryKnobs, Channel, Channels, Exposure, LEAST_REACH, Lit, Marks, REFERENCE_HEIGHT, Steps,
+    View, compose, expose, one_bit, shade,
 };
 use chiaro_image::colour::to_byte;
 use chiaro_image::labels::components;
@@ -52,7 +52,9 @@ impl Colours {
     }
 
     fn are_grey(&self) -> bool {
-        [self.ink, self.paper, self.background].iter().all(|c| c[0] == c[1] && c[1] == c[2] && c[3] == 1.0)
+        [self.ink, self.paper, self.background]
+            .iter()
+            .all(|c| c[0] == c[1] && c[1] == c[2] && c[3] == 1.0)
     }
 }
 
@@ -156,14 +158,20 @@ impl<'a> Shot<'a> {
         put("input_sha256", project.hash.clone().into());
         put("size", json!([self.camera.size.0, self.camera.size.1]));
         put("camera", self.camera.note.clone().into());
-        put("camera_choice", json!({
-            "camera": o.camera, "from": o.from, "look_at": o.look_at, "fov": o.fov,
-            "orbit": o.orbit, "turntable": o.turntable, "up": format!("{:?}", o.up),
-        }));
-        put("time", json!({
-            "fps": o.fps, "time": o.time, "loop": o.looped,
-            "animation": format!("{:?}", o.animation), "shot": project.shot(),
-        }));
+        put(
+            "camera_choice",
+            json!({
+                "camera": o.camera, "from": o.from, "look_at": o.look_at, "fov": o.fov,
+                "orbit": o.orbit, "turntable": o.turntable, "up": format!("{:?}", o.up),
+            }),
+        );
+        put(
+            "time",
+            json!({
+                "fps": o.fps, "time": o.time, "loop": o.looped,
+                "animation": format!("{:?}", o.animation), "shot": project.shot(),
+            }),
+        );
         put("sun", json!(o.sun));
         s
     }
@@ -201,7 +209,9 @@ fn sun(project: &Project, pose: &Pose, frame: &Frame, run: &Run) -> Option<Lamp>
         return Some(Lamp::sun(-chiaro_basis::math::Vec3::from(from)));
     }
     if Lamp::of_frame(frame).is_empty() {
-        run.warn("no light in the scene: a key light from above, on the left, on the viewer's side");
+        run.warn(
+            "no light in the scene: a key light from above, on the left, on the viewer's side",
+        );
         return Some(Lamp::key(pose));
     }
     None
@@ -244,7 +254,9 @@ impl Job<'_> {
             run.check()?;
             let recipe = self.recipe(shot, number);
             let file = self.target.file(number);
-            if let (Target::Pattern(_), Some(output)) = (&self.target, film::finished(&file, &recipe)) {
+            if let (Target::Pattern(_), Some(output)) =
+                (&self.target, film::finished(&file, &recipe))
+            {
                 record.outputs.push(output);
                 continue;
             }
@@ -287,15 +299,21 @@ impl Job<'_> {
     fn settings(&self, shot: &Shot<'_>) -> Map<String, Value> {
         let mut s = shot.view_settings();
         s.insert("style".into(), self.style.name.clone().into());
-        s.insert("colours".into(), json!({
-            "ink": self.colours.ink, "paper": self.colours.paper,
-            "background": self.colours.background,
-        }));
-        s.insert("exposure".into(), json!({
-            "low": shot.exposure.low, "high": shot.exposure.high,
-            "threshold": shot.exposure.threshold, "contrast": shot.exposure.contrast,
-            "shadows": shot.exposure.shadows,
-        }));
+        s.insert(
+            "colours".into(),
+            json!({
+                "ink": self.colours.ink, "paper": self.colours.paper,
+                "background": self.colours.background,
+            }),
+        );
+        s.insert(
+            "exposure".into(),
+            json!({
+                "low": shot.exposure.low, "high": shot.exposure.high,
+                "threshold": shot.exposure.threshold, "contrast": shot.exposure.contrast,
+                "shadows": shot.exposure.shadows,
+            }),
+        );
         for (knob, value) in self.knobs.values() {
             s.insert(knob.name.into(), json_of(&value));
         }

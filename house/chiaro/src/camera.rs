@@ -62,12 +62,7 @@ impl Camera {
         Ok(Self { source: Source::Scene { index, fov }, size, note })
     }
 
-    fn default_view(
-        project: &Project,
-        frames: &[Frame],
-        by_hand: bool,
-        run: &Run,
-    ) -> Result<Self> {
+    fn default_view(project: &Project, frames: &[Frame], by_hand: bool, run: &Run) -> Result<Self> {
         let o = &project.options;
         let first = frames.first().expect("a shot has a frame");
         let tracer = Tracer::new(&project.scene, first);
@@ -91,8 +86,11 @@ impl Camera {
         }
         let turn = o.turntable.then(|| {
             let shot = project.shot();
-            let centre =
-                if setting == view::Setting::Room { pose.position } else { framing.bounds.centre() };
+            let centre = if setting == view::Setting::Room {
+                pose.position
+            } else {
+                framing.bounds.centre()
+            };
             (centre, shot[0], shot.len() as u32)
         });
         Ok(Self { source: Source::Fixed { pose, turn }, size, note })
@@ -103,7 +101,8 @@ impl Camera {
         match &self.source {
             Source::Scene { index, fov } => {
                 let mut pose = frame.cameras[*index];
-                if let (Some(fov), Projection::Perspective { fov_y }) = (fov, &mut pose.projection) {
+                if let (Some(fov), Projection::Perspective { fov_y }) = (fov, &mut pose.projection)
+                {
                     *fov_y = *fov;
                 }
                 pose
@@ -143,7 +142,8 @@ fn find_camera(project: &Project, name: &str) -> Result<usize> {
         let hint = nearest(name, names.iter().copied().filter(|n| !n.is_empty()))
             .map(|n| format!("; did you mean {n}?"))
             .unwrap_or_default();
-        let range = format!("an index below {} or one of {}{hint}", cameras.len(), names.join(", "));
+        let range =
+            format!("an index below {} or one of {}{hint}", cameras.len(), names.join(", "));
         Error::setting("--camera", name, range)
     })
 }

@@ -78,7 +78,6 @@ fn draw(
     let project = Project::open(&format!("demo:{scene}"), options, run)?;
     let target = Target::parse(path, project.frames().len())?;
     let colours = Colours::default();
-    let job =
-        Job { project: &project, style: &style, knobs: &style.binary, colours, target };
+    let job = Job { project: &project, style: &style, knobs: &style.binary, colours, target };
     Ok(job.run(run)?.outputs)
 }

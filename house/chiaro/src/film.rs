@@ -43,7 +43,9 @@ impl Target {
             return Ok(Self::Pattern(path.join("####.png")));
         }
         if frames > 1 {
-            return fail("a pattern with # for the digits of the frame, as in frames/####.png, a folder, or an .apng");
+            return fail(
+                "a pattern with # for the digits of the frame, as in frames/####.png, a folder, or an .apng",
+            );
         }
         Ok(Self::Single(path.into()))
     }
@@ -99,8 +101,11 @@ pub fn finished(file: &Path, recipe: &str) -> Option<Output> {
     }
     let bytes = std::fs::read(file).ok()?;
     let sha256 = write::sha256(&bytes);
-    (sha256 == receipt.sha256)
-        .then(|| Output { path: file.into(), bytes: bytes.len() as u64, sha256 })
+    (sha256 == receipt.sha256).then(|| Output {
+        path: file.into(),
+        bytes: bytes.len() as u64,
+        sha256,
+    })
 }
 
 /// Writes a frame and then its receipt.

@@ -36,7 +36,9 @@ impl Job<'_> {
             run.check()?;
             let recipe = self.recipe(&shot, number);
             let file = self.target.file(number);
-            if let (Target::Pattern(_), Some(output)) = (&self.target, film::finished(&file, &recipe)) {
+            if let (Target::Pattern(_), Some(output)) =
+                (&self.target, film::finished(&file, &recipe))
+            {
                 record.outputs.push(output);
                 continue;
             }
@@ -88,7 +90,8 @@ fn layers(view: &View, flow: &Plane<[f32; 2]>, recipe: &str) -> ExrImage {
     let b = &view.buffer;
     let headlamp = view.channels.get(Channel::Headlamp);
     let mut layers: Vec<(String, ExrChannel)> = Vec::new();
-    let mut push = |name: &str, plane: Plane<f32>| layers.push((name.into(), ExrChannel::F32(plane)));
+    let mut push =
+        |name: &str, plane: Plane<f32>| layers.push((name.into(), ExrChannel::F32(plane)));
     let shade = |x: &f32, c: &[f32; 3], i: usize| x * c[i];
     for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
         if let Some(light) = headlamp {
@@ -97,7 +100,10 @@ fn layers(view: &View, flow: &Plane<[f32; 2]>, recipe: &str) -> ExrImage {
         }
     }
     push("A", b.covered.map(|c| if *c { 1.0 } else { 0.0 }));
-    push("depth.Z", b.depth.zip(&b.covered, |d, c| if *c { *d } else { f32::INFINITY }).expect("one size"));
+    push(
+        "depth.Z",
+        b.depth.zip(&b.covered, |d, c| if *c { *d } else { f32::INFINITY }).expect("one size"),
+    );
     for (name, plane) in [
         ("normal", &b.normal),
         ("smooth_normal", &b.smooth_normal),

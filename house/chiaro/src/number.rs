@@ -12,7 +12,10 @@ const MOST_FRAMES: usize = 1_000_000;
 /// A picture size, as in `1920x1080`.
 pub fn parse_size(text: &str) -> Result<(usize, usize)> {
     let range = || {
-        format!("WIDTHxHEIGHT in pixels, each from 1 to {LONGEST_SIDE}, as in 1920x1080, {} megapixels at most", MOST_PIXELS / 1_000_000)
+        format!(
+            "WIDTHxHEIGHT in pixels, each from 1 to {LONGEST_SIDE}, as in 1920x1080, {} megapixels at most",
+            MOST_PIXELS / 1_000_000
+        )
     };
     let fail = || Error::setting("--size", text, range());
     let (w, h) = text.split_once(['x', 'X']).ok_or_else(fail)?;
@@ -60,10 +63,8 @@ fn parse_range(part: &str) -> Option<(u32, u32, u32)> {
 /// `N` finite numbers with commas between.
 pub fn parse_numbers<const N: usize>(option: &str, text: &str, what: &str) -> Result<[f32; N]> {
     let fail = || Error::setting(option, text, what);
-    let numbers: Option<Vec<f32>> = text
-        .split(',')
-        .map(|s| s.trim().parse::<f32>().ok().filter(|x| x.is_finite()))
-        .collect();
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|s| s.trim().parse::<f32>().ok().filter(|x| x.is_finite())).collect();
     numbers.and_then(|n| n.try_into().ok()).ok_or_else(fail)
 }
 

@@ -52,7 +52,8 @@ impl Style {
 
     fn parse(name: &str, text: &str) -> Result<Self> {
         let table: toml::Table = text.parse().map_err(|e: toml::de::Error| {
-            let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+            let line =
+                e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
             Error::input(name, format!("line {line}"), e.message().to_string())
         })?;
         let mut style =
@@ -62,7 +63,8 @@ impl Style {
                 ("description", toml::Value::String(s)) => style.description = s.clone(),
                 ("binary", toml::Value::Table(knobs)) => set_all(&mut style.binary, name, knobs)?,
                 _ => {
-                    let why = "is not part of a style; a style has a description and a table [binary]";
+                    let why =
+                        "is not part of a style; a style has a description and a table [binary]";
                     return Err(Error::input(name, key, why));
                 }
             }
@@ -78,8 +80,10 @@ impl Style {
                 Value::Word(word) => format!("{word:?}"),
                 other => other.to_string(),
             };
-            let unit = if knob.unit.is_empty() { String::new() } else { format!(" [{}]", knob.unit) };
-            let symbol = if knob.symbol.is_empty() { String::new() } else { format!(" {}", knob.symbol) };
+            let unit =
+                if knob.unit.is_empty() { String::new() } else { format!(" [{}]", knob.unit) };
+            let symbol =
+                if knob.symbol.is_empty() { String::new() } else { format!(" {}", knob.symbol) };
             text += &format!("{} = {value} # {}{unit}{symbol}\n", knob.name, knob.help);
         }
         text
@@ -92,7 +96,9 @@ fn set_all(knobs: &mut BinaryKnobs, file: &str, table: &toml::Table) -> Result<(
             toml::Value::String(s) => s.clone(),
             other => other.to_string(),
         };
-        knobs.set(key, &text).map_err(|e| Error::input(file, format!("[binary] {key}"), e.to_string()))?;
+        knobs
+            .set(key, &text)
+            .map_err(|e| Error::input(file, format!("[binary] {key}"), e.to_string()))?;
     }
     Ok(())
 }
