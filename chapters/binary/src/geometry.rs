@@ -57,7 +57,8 @@ type Pixel = (usize, usize);
 
 impl<'a> Field<'a> {
     fn new(buffer: &'a GBuffer, knobs: &'a BinaryKnobs) -> Self {
-        let window = scaled(knobs.curvature_radius, buffer.size().1);
+        // A narrower window holds no neighbours.
+        let window = scaled(knobs.curvature_radius, buffer.size().1).max(1.5);
         let fast = knobs.curvature_form == CurvatureForm::Fast && knobs.use_geometry;
         let mean_normal = fast.then(|| {
             filter::gaussian_masked3(&buffer.normal, &buffer.covered, window * FRAC_1_SQRT_2)

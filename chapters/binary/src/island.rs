@@ -75,7 +75,15 @@ mod tests {
         let white = Plane::from_fn(w, h, |x, y| rows[y].as_bytes()[x] == b'.');
         let mask = Plane::from_fn(w, h, |x, y| rows[y].as_bytes()[x] != b' ');
         let out = without_islands(&white, &mask, area);
-        let sign = |x, y| if !mask[(x, y)] { ' ' } else if out[(x, y)] { '.' } else { '#' };
+        let sign = |x, y| {
+            if !mask[(x, y)] {
+                ' '
+            } else if out[(x, y)] {
+                '.'
+            } else {
+                '#'
+            }
+        };
         (0..h).map(|y| (0..w).map(|x| sign(x, y)).collect()).collect()
     }
 

@@ -19,7 +19,10 @@ pub fn compare(a: &Path, b: &Path, run: &Run) -> Result<Record> {
     for (name, value) in [
         ("psnr_db", number(metric::psnr_db(&shown_a, &shown_b)?)),
         ("rmse", json!(metric::rmse(&shown_a, &shown_b)?)),
-        ("rmse_relative", number(metric::rmse_relative(&a, &b, &Plane::filled(a.width(), a.height(), true))?)),
+        (
+            "rmse_relative",
+            number(metric::rmse_relative(&a, &b, &Plane::filled(a.width(), a.height(), true))?),
+        ),
         ("changed_pixels", json!(metric::changed_pixels(&shown_a, &shown_b)?)),
         ("max_difference", json!(metric::max_difference(&shown_a, &shown_b)?)),
     ] {
