@@ -1,0 +1,188 @@
+//! Rays against closed forms and against every triangle.
+
+use chiaro_basis::math::{DQuat, DVec3, Vec3, vec3};
+use chiaro_basis::random;
+use chiaro_scene::{
+    Material, MaterialId, Mesh, MeshId, Node, NormalSource, Playback, Poser, Scene, Transform,
+};
+use chiaro_trace::{Ray, Sides, Tracer};
+use rayon::prelude::*;
+
+/// A sphere of `n` x 2 `n` quads, closed: vertices of the seam and of the poles are shared.
+fn sphere(n: usize, bump: f32) -> Mesh {
+    let around = 2 * n;
+    let mut positions = vec![Vec3::Y];
+    for i in 1..n {
+        let polar = std::f32::consts::PI * i as f32 / n as f32;
+        for j in 0..around {
+            let turn = std::f32::consts::TAU * j as f32 / around as f32;
+            let r = 1.0 + bump * (7.0 * turn).sin() * (5.0 * polar).sin();
+            positions.push(
+                vec3(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin()) * r,
+            );
+        }
+    }
+    positions.push(Vec3::NEG_Y);
+    let last = positions.len() as u32 - 1;
+    let at = |i: usize, j: usize| (1 + (i - 1) * around + j % around) as u32;
+    let mut triangles = Vec::new();
+    for j in 0..around {
+        triangles.push([0, at(1, j + 1), at(1, j)]);
+        triangles.push([last, at(n - 1, j), at(n - 1, j + 1)]);
+        for i in 1..n - 1 {
+            triangles.push([at(i, j), at(i, j + 1), at(i + 1, j)]);
+            triangles.push([at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
+        }
+    }
+    Mesh {
+        normals: NormalSource::Given(positions.iter().map(|p| p.normalize()).collect()),
+        materials: vec![MaterialId::new(0); triangles.len()],
+        positions,
+        triangles,
+        ..Mesh::default()
+    }
+}
+
+fn scene(mesh: Mesh, places: &[Transform]) -> Scene {
+    let node = |t: &Transform| Node {
+        transform: *t,
+        mesh: Some(MeshId::new(0)),
+        ..Node::default()
+    };
+    Scene {
+        meshes: vec![mesh],
+        materials: vec![Material::default()],
+        nodes: places.iter().map(node).collect(),
+        ..Scene::default()
+    }
+}
+
+fn place(translation: [f64; 3], turn: f64, scale: [f64; 3]) -> Transform {
+    Transform::Parts {
+        translation: DVec3::from(translation),
+        rotation: DQuat::from_rotation_y(turn),
+        scale: DVec3::from(scale),
+    }
+}
+
+fn direction(i: u64) -> Vec3 {
+    let (u, v) = (random::unit(1, i), random::unit(2, i));
+    let z = 1.0 - 2.0 * u;
+    let r = (1.0 - z * z).sqrt();
+    let a = std::f32::consts::TAU * v;
+    vec3(r * a.cos(), r * a.sin(), z)
+}
+
+#[test]
+fn a_million_rays_find_no_pinhole_in_closed_meshes() {
+    for (bump, offset, scale) in [(0.0, 0.0, 1.0), (0.05, 1000.0, 1.0), (0.05, 3.0, 1e-3)] {
+        let s = [scale; 3];
+        let scene = scene(sphere(48, bump), &[place([offset, -offset, offset], 0.3, s)]);
+        let frame = Poser::new(&scene).frame(0.0, &Playback::still());
+        let tracer = Tracer::new(&scene, &frame);
+        let origin = Vec3::new(offset as f32, -offset as f32, offset as f32);
+        let escaped = (0..350_000u64)
+            .into_par_iter()
+            .filter(|&i| {
+                let ray = Ray { origin, direction: direction(i), t_max: f32::INFINITY };
+                tracer.hit(&ray, Sides::Both).is_none() || !tracer.occluded(&ray)
+            })
+            .count();
+        assert_eq!(escaped, 0, "offset {offset}, scale {scale}");
+    }
+}
+
+#[test]
+fn rays_at_vertices_edges_and_along_axes_do_not_slip_through() {
+    let scene = scene(sphere(24, 0.0), &[Transform::default()]);
+    let frame = Poser::new(&scene).frame(0.0, &Playback::still());
+    let tracer = Tracer::new(&scene, &frame);
+    let mesh = &scene.meshes[0];
+    let mut targets: Vec<Vec3> = mesh.positions.clone();
+    for t in &mesh.triangles {
+        let p = t.map(|v| mesh.positions[v as usize]);
+        targets.extend([0.5 * (p[0] + p[1]), 0.25 * p[1] + 0.75 * p[2]]);
+    }
+    targets.extend([Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z]);
+    for target in targets {
+        let ray = Ray { origin: Vec3::ZERO, direction: target.normalize(), t_max: f32::INFINITY };
+        assert!(tracer.hit(&ray, Sides::Both).is_some(), "towards {target}");
+    }
+}
+
+#[test]
+fn hits_are_those_of_every_triangle_tried_in_turn() {
+    let places = [
+        place([0.0; 3], 0.0, [1.0; 3]),
+        place([2.5, 0.3, -0.4], 1.0, [0.7, 1.3, 0.9]),
+        place([-2.0, 0.5, 1.0], 2.0, [-0.8, 0.8, 0.8]),
+    ];
+    let scene = scene(sphere(12, 0.1), &places);
+    let frame = Poser::new(&scene).frame(0.0, &Playback::still());
+    let tracer = Tracer::new(&scene, &frame);
+    for i in 0..3000 {
+        let origin = 4.0 * direction(2 * i);
+        let target = 2.5 * direction(2 * i + 1);
+        let ray = Ray { origin, direction: (target - origin).normalize(), t_max: f32::INFINITY };
+        let nearest = frame
+            .objects
+            .iter()
+            .flat_map(|o| {
+                let p: Vec<Vec3> = frame.world_positions(o).collect();
+                scene.meshes[0].triangles.iter().filter_map(move |t| cross(&ray, t.map(|v| p[v as usize])))
+            })
+            .fold(f32::INFINITY, f32::min);
+        let hit = tracer.hit(&ray, Sides::Both).map_or(f32::INFINITY, |h| h.t);
+        let same = hit == nearest || (hit - nearest).abs() < 1e-4;
+        assert!(same, "ray {i}: {hit} where the nearest is {nearest}");
+        assert_eq!(tracer.occluded(&ray), nearest.is_finite());
+    }
+}
+
+/// Möller and Trumbore's test, in double precision.
+fn cross(ray: &Ray, p: [Vec3; 3]) -> Option<f32> {
+    let [a, b, c] = p.map(|v| v.as_dvec3());
+    let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let (e1, e2) = (b - a, c - a);
+    let h = d.cross(e2);
+    let det = e1.dot(h);
+    let s = o - a;
+    let u = s.dot(h) / det;
+    let q = s.cross(e1);
+    let v = d.dot(q) / det;
+    let t = e2.dot(q) / det;
+    (det != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t as f32)
+}
+
+#[test]
+fn a_refitted_tracer_answers_like_a_new_one() {
+    let scene_a = scene(sphere(16, 0.0), &[Transform::default()]);
+    let scene_b = scene(sphere(16, 0.2), &[place([0.2, 0.0, 0.1], 0.5, [1.0; 3])]);
+    let (a, b) = (
+        Poser::new(&scene_a).frame(0.0, &Playback::still()),
+        Poser::new(&scene_b).frame(0.0, &Playback::still()),
+    );
+    let refitted = Tracer::new(&scene_a, &a).refit(&scene_b, &b);
+    let fresh = Tracer::new(&scene_b, &b);
+    for i in 0..20_000 {
+        let ray = Ray { origin: 3.0 * direction(i), direction: direction(i + 7), t_max: 9.0 };
+        assert_eq!(refitted.hit(&ray, Sides::Both), fresh.hit(&ray, Sides::Both));
+        assert_eq!(refitted.occluded(&ray), fresh.occluded(&ray));
+    }
+}
+
+#[test]
+fn single_sided_faces_are_seen_from_the_front_alone() {
+    for mirror in [1.0, -1.0] {
+        let mut scene = scene(sphere(12, 0.0), &[place([0.0; 3], 0.0, [mirror, 1.0, 1.0])]);
+        scene.materials[0].double_sided = false;
+        let frame = Poser::new(&scene).frame(0.0, &Playback::still());
+        let tracer = Tracer::new(&scene, &frame);
+        let outside = Ray { origin: vec3(0.1, 0.2, 5.0), direction: Vec3::NEG_Z, t_max: 99.0 };
+        let inside = Ray { origin: Vec3::ZERO, ..outside };
+        let near = tracer.hit(&outside, Sides::AsMaterials).map(|h| h.t);
+        assert!(near.is_some_and(|t| t < 5.0), "mirror {mirror}: {near:?}");
+        assert!(tracer.hit(&inside, Sides::AsMaterials).is_none(), "mirror {mirror}");
+        assert!(tracer.hit(&inside, Sides::Both).is_some());
+    }
+}
