@@ -5,6 +5,7 @@
 //! order, with a stack of its own; the time is linear in the pixels.
 
 use crate::Plane;
+use std::collections::BTreeSet;
 
 /// The number, in [`Components::ids`], of pixels that are not covered.
 pub const UNCOVERED: u32 = u32::MAX;
@@ -32,6 +33,24 @@ pub struct Piece<T> {
     /// Whether a pixel of another label touches it, at a side or a corner. A piece that touches
     /// none is not an island: it is all there is of its object.
     pub touches_other: bool,
+}
+
+impl<T> Components<T> {
+    /// The places in `pieces` of pieces that touch at a side or a corner, the lower first, each pair
+    /// once, sorted.
+    pub fn touching(&self) -> Vec<(usize, usize)> {
+        let size = self.ids.size();
+        let mut pairs = BTreeSet::new();
+        for (y, x) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (y, x))) {
+            let id = self.ids[(x, y)];
+            let near = neighbours((x, y), size).map(|at| self.ids[at]);
+            // Seen from the higher one alone; UNCOVERED is the highest.
+            pairs.extend(
+                near.filter(|&n| n < id && id != UNCOVERED).map(|n| (n as usize, id as usize)),
+            );
+        }
+        pairs.into_iter().collect()
+    }
 }
 
 /// The pieces of equal label among the covered pixels. Panics when the sizes differ or when there
@@ -121,6 +140,7 @@ mod tests {
         assert_eq!((found.pieces[0].first, found.pieces[0].last), ((0, 0), (2, 1)));
         assert_eq!((found.pieces[2].first, found.pieces[2].last), ((2, 3), (3, 3)));
         assert!(found.pieces.iter().all(|piece| piece.touches_other));
+        assert_eq!(found.touching(), [(0, 1), (1, 2)]);
         assert_eq!(found.ids[(1, 1)], 0);
         assert_eq!(found.ids[(3, 3)], 2);
     }
@@ -131,6 +151,7 @@ mod tests {
         let found = components(&labels, &mask);
         let touching: Vec<bool> = found.pieces.iter().map(|p| p.touches_other).collect();
         assert_eq!(touching, [false, true, false, true]);
+        assert_eq!(found.touching(), [(1, 3)]);
         assert_eq!(found.ids[(2, 0)], UNCOVERED);
     }
 

@@ -12,7 +12,7 @@ use png::{BitDepth, ColorType, Decoder, Encoder, Reader, SrgbRenderingIntent, Tr
 use std::io::Cursor;
 
 /// The keyword of the text chunk that holds the recipe.
-const RECIPE: &str = "chiaro";
+pub(super) const RECIPE: &str = "chiaro";
 
 /// Deflate unpacks at most 258 bytes from two bits.
 const DEFLATE_RATIO: u64 = 1032;
