@@ -106,6 +106,12 @@ impl<'a> Shot<'a> {
         expose(&views(false)?, false, &self.knobs, run)
     }
 
+    /// The same shot in pictures `height` pixels high.
+    pub fn at_height(mut self, height: usize) -> Self {
+        self.camera = self.camera.at_height(height);
+        self
+    }
+
     /// One frame with every channel, for files that other programs read.
     pub fn everything(&self, frame: &Frame, number: u32, run: &Run) -> Result<View> {
         self.render(frame, number, self.camera.size, self.exposure.shadows, |_| true, run)
