@@ -1,7 +1,7 @@
 //! [`Camera`] as a file has it, and [`Pose`]: a camera in world space at one time.
 
 use crate::NodeId;
-use chiaro_basis::math::{Mat4, Vec3, Vec4};
+use chiaro_basis::math::{DAffine3, DMat3, DVec3, Mat4, Vec3, Vec4};
 
 /// A camera at a node; it looks along the node's -z with y up.
 #[derive(Clone, Debug)]
@@ -54,6 +54,25 @@ impl Pose {
         let forward = (target - position).normalize_or(Vec3::NEG_Z);
         let right = forward.cross(up).normalize_or(forward.any_orthonormal_vector());
         Self { position, right, up: right.cross(forward), forward, projection, near: 0.0 }
+    }
+
+    /// The pose of a camera whose node has this matrix: it looks along the node's -z with y up.
+    /// Scale counts for nothing; axes that a degenerate matrix lost are made up.
+    pub fn of_node(world_from_node: &DAffine3, projection: Projection) -> Self {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z, .. } = world_from_node.matrix3;
+        let forward = -z.try_normalize().or_else(|| x.cross(y).try_normalize()).unwrap_or(DVec3::Z);
+        let across = |v: DVec3| (v - forward * v.dot(forward)).try_normalize();
+        let right = across(forward.cross(y)).or_else(|| across(x));
+        let right = right.unwrap_or_else(|| forward.any_orthonormal_vector());
+        let position = world_from_node.translation.as_vec3();
+        Self {
+            position: if position.is_finite() { position } else { Vec3::ZERO },
+            right: right.as_vec3(),
+            up: right.cross(forward).as_vec3(),
+            forward: forward.as_vec3(),
+            projection,
+            near: 0.0,
+        }
     }
 
     /// View coordinates of a world point: x right, y up, z along the view axis (its depth).

@@ -1,5 +1,6 @@
 //! [`Frame`]: the scene frozen at a time.
 
+use crate::pose::normal_matrix;
 use crate::{Bounds, Light, MeshId, NodeId, Pose};
 use chiaro_basis::math::{Affine3A, Mat3, Vec3, Vec4};
 use std::sync::Arc;
@@ -51,9 +52,11 @@ pub struct Object {
 }
 
 impl Object {
-    /// The matrix for normals.
+    /// The matrix for normals, up to a positive factor; finite where a flat matrix has no inverse.
     pub fn normal_from_shape(&self) -> Mat3 {
-        Mat3::from(self.world_from_shape.matrix3).inverse().transpose()
+        let m = normal_matrix(&Mat3::from(self.world_from_shape.matrix3).as_dmat3());
+        let largest = m.to_cols_array().iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+        if largest > 0.0 { (m * largest.recip()).as_mat3() } else { Mat3::IDENTITY }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{NodeId, Property, Scene};
 use chiaro_basis::{Error, Result, nearest};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// What the user asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
@@ -85,20 +85,20 @@ impl Scene {
     /// Groups of clips that are tied by animating the same property of the same node, directly or
     /// through others; each sorted, in the order of their first clips.
     fn fighting_clips(&self) -> Vec<Vec<usize>> {
-        let mut group: Vec<usize> = (0..self.clips.len()).collect();
+        let mut tied: Vec<usize> = (0..self.clips.len()).collect();
         let mut owner: BTreeMap<(NodeId, Property), usize> = BTreeMap::new();
         for (i, clip) in self.clips.iter().enumerate() {
             for channel in &clip.channels {
                 let first = *owner.entry((channel.node, channel.property)).or_insert(i);
-                let (a, b) = (group[first], group[i]);
-                if a != b {
-                    let (low, high) = (a.min(b), a.max(b));
-                    group.iter_mut().filter(|g| **g == high).for_each(|g| *g = low);
-                }
+                let (a, b) = (leader(&mut tied, first), leader(&mut tied, i));
+                tied[a.max(b)] = a.min(b);
             }
         }
-        let firsts: BTreeSet<usize> = group.iter().copied().collect();
-        firsts.into_iter().map(|f| (0..group.len()).filter(|&i| group[i] == f).collect()).collect()
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for i in 0..tied.len() {
+            groups.entry(leader(&mut tied, i)).or_default().push(i);
+        }
+        groups.into_values().collect()
     }
 
     fn note(&self, group: &[usize]) -> String {
@@ -113,6 +113,15 @@ impl Scene {
             others.join(", ")
         )
     }
+}
+
+/// The first clip that `i` is tied to; shortens the way there.
+fn leader(tied: &mut [usize], mut i: usize) -> usize {
+    while tied[i] != i {
+        tied[i] = tied[tied[i]];
+        i = tied[i];
+    }
+    i
 }
 
 #[cfg(test)]

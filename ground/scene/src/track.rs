@@ -1,6 +1,7 @@
 //! [`Track`]: one animated property over time, and the [`Clip`]s that group them.
 
 use crate::NodeId;
+use chiaro_basis::math::{DQuat, Quat};
 
 /// A named animation of a file.
 #[derive(Clone, Debug, Default)]
@@ -60,65 +61,122 @@ pub struct Track {
 }
 
 impl Track {
-    /// The value at `time`, `width` numbers: held before the first key and after the last.
-    /// Rotations interpolate on the sphere.
-    pub fn sample(&self, time: f64, rotation: bool) -> Vec<f32> {
-        let last = self.times.len() - 1;
-        let after = self.times.partition_point(|&t| f64::from(t) <= time);
-        if after == 0 || last == 0 {
-            return self.key(0, 1);
-        }
-        if after > last {
-            return self.key(last, 1);
-        }
-        let before = after - 1;
-        let (t0, t1) = (f64::from(self.times[before]), f64::from(self.times[after]));
-        let span = t1 - t0;
-        let s = if span > 0.0 { ((time - t0) / span) as f32 } else { 1.0 };
+    /// Writes the value at `time` seconds into `out`, as many numbers as both have room for.
+    ///
+    /// Before the first key and after the last the value holds. Rotations take the shorter way on
+    /// the sphere and come out as unit quaternions. Of keys at one time the last counts; a track
+    /// without keys, or with fewer values than its keys ask for, leaves `out` as it is.
+    pub fn sample(&self, time: f64, property: Property, out: &mut [f64]) {
+        let Some(span) = self.span(time) else { return };
+        let rotates = property == Property::Rotation && self.width == 4 && out.len() == 4;
         match self.interpolation {
-            Interpolation::Step => self.key(before, 1),
-            Interpolation::Linear if rotation => {
-                slerp(&self.key(before, 1), &self.key(after, 1), s)
-            }
-            Interpolation::Linear => {
-                let (a, b) = (self.key(before, 1), self.key(after, 1));
-                a.iter().zip(&b).map(|(a, b)| a + (b - a) * s).collect()
-            }
-            Interpolation::CubicSpline => self.hermite(before, span as f32, s),
+            Interpolation::Step => self.hold(&span, out),
+            Interpolation::Linear if rotates => self.turn(&span, out),
+            Interpolation::Linear => self.line(&span, out),
+            Interpolation::CubicSpline => self.spline(&span, out),
+        }
+        if rotates {
+            out.copy_from_slice(&unit(DQuat::from_slice(out)).to_array());
         }
     }
 
-    /// The `part`-th third of a key: in-tangent 0, value 1, out-tangent 2; other interpolations have
-    /// the value alone.
-    fn key(&self, key: usize, part: usize) -> Vec<f32> {
-        let w = self.width;
-        let start = match self.interpolation {
-            Interpolation::CubicSpline => (3 * key + part) * w,
-            _ => key * w,
-        };
-        self.values[start..start + w].to_vec()
+    /// Where `time` falls between keys, or `None` without keys.
+    fn span(&self, time: f64) -> Option<Span> {
+        let last = self.times.len().checked_sub(1)?;
+        let passed = self.times.partition_point(|&t| f64::from(t) <= time);
+        let (before, after) = (passed.saturating_sub(1), passed.min(last));
+        let (start, end) = (f64::from(self.times[before]), f64::from(self.times[after]));
+        let seconds = end - start;
+        // Keys out of order or at one time leave no way to go: the value before holds.
+        if seconds > 0.0 {
+            let along = ((time - start) / seconds).clamp(0.0, 1.0);
+            Some(Span { before, after, along, seconds })
+        } else {
+            Some(Span { before, after: before, along: 0.0, seconds: 0.0 })
+        }
     }
 
-    /// The cubic through keys `k` and `k + 1` with their tangents (glTF 2.0, appendix C.5).
-    fn hermite(&self, k: usize, span: f32, s: f32) -> Vec<f32> {
-        let (s2, s3) = (s * s, s * s * s);
-        let weights = [
-            2.0 * s3 - 3.0 * s2 + 1.0,
-            span * (s3 - 2.0 * s2 + s),
-            3.0 * s2 - 2.0 * s3,
-            span * (s3 - s2),
+    /// One part of a key: splines hold in-tangent, value and out-tangent, the others a value alone.
+    fn part(&self, key: usize, part: Part) -> Option<&[f32]> {
+        let index = match self.interpolation {
+            Interpolation::CubicSpline => 3 * key + part as usize,
+            _ => key,
+        };
+        self.values.get(index * self.width..(index + 1) * self.width)
+    }
+
+    fn hold(&self, span: &Span, out: &mut [f64]) {
+        let Some(value) = self.part(span.before, Part::Value) else { return };
+        out.iter_mut().zip(value).for_each(|(o, &v)| *o = v.into());
+    }
+
+    fn line(&self, span: &Span, out: &mut [f64]) {
+        let ends = [span.before, span.after].map(|key| self.part(key, Part::Value));
+        let [Some(a), Some(b)] = ends else { return };
+        for (o, (&a, &b)) in out.iter_mut().zip(a.iter().zip(b)) {
+            let (a, b) = (f64::from(a), f64::from(b));
+            *o = a + (b - a) * span.along;
+        }
+    }
+
+    /// The shorter way between two rotations.
+    fn turn(&self, span: &Span, out: &mut [f64]) {
+        let ends = [span.before, span.after].map(|key| self.part(key, Part::Value));
+        let [Some(a), Some(b)] = ends else { return };
+        let [a, b] = [a, b].map(|q| unit(Quat::from_slice(q).as_dquat()));
+        out.copy_from_slice(&a.slerp(b, span.along).to_array());
+    }
+
+    /// The cubic through two keys with their tangents (glTF 2.0, appendix C.5).
+    fn spline(&self, span: &Span, out: &mut [f64]) {
+        let parts = [
+            self.part(span.before, Part::Value),
+            self.part(span.before, Part::Out),
+            self.part(span.after, Part::Value),
+            self.part(span.after, Part::In),
         ];
-        let parts = [self.key(k, 1), self.key(k, 2), self.key(k + 1, 1), self.key(k + 1, 0)];
-        (0..self.width).map(|i| (0..4).map(|j| weights[j] * parts[j][i]).sum()).collect()
+        let [Some(p0), Some(m0), Some(p1), Some(m1)] = parts else { return };
+        let [h0, g0, h1, g1] = hermite(span.along, span.seconds);
+        for (i, o) in out.iter_mut().enumerate().take(self.width) {
+            let [p0, m0, p1, m1] = [p0[i], m0[i], p1[i], m1[i]].map(f64::from);
+            *o = h0 * p0 + g0 * m0 + h1 * p1 + g1 * m1;
+        }
     }
 }
 
-/// The shorter way round between two quaternions.
-fn slerp(a: &[f32], b: &[f32], s: f32) -> Vec<f32> {
-    use chiaro_basis::math::Quat;
-    let quat = |q: &[f32]| Quat::from_xyzw(q[0], q[1], q[2], q[3]);
-    let unit = |q: Quat| if q.length_squared() > 0.0 { q.normalize() } else { Quat::IDENTITY };
-    unit(quat(a)).slerp(unit(quat(b)), s).to_array().to_vec()
+/// A stretch between two keys.
+struct Span {
+    before: usize,
+    after: usize,
+    /// From 0 at `before` to 1 at `after`.
+    along: f64,
+    /// Its length.
+    seconds: f64,
+}
+
+/// The parts of a spline's key, in the order of the file.
+#[derive(Clone, Copy)]
+enum Part {
+    In,
+    Value,
+    Out,
+}
+
+/// Weights of value and tangent at the start, value and tangent at the end; tangents are per second.
+fn hermite(s: f64, seconds: f64) -> [f64; 4] {
+    let (s2, s3) = (s * s, s * s * s);
+    [
+        2.0 * s3 - 3.0 * s2 + 1.0,
+        seconds * (s3 - 2.0 * s2 + s),
+        3.0 * s2 - 2.0 * s3,
+        seconds * (s3 - s2),
+    ]
+}
+
+/// The unit quaternion along `q`; no turn at all where there is none.
+fn unit(q: DQuat) -> DQuat {
+    let length = q.length();
+    if length > 0.0 && length.is_finite() { q / length } else { DQuat::IDENTITY }
 }
 
 #[cfg(test)]
@@ -129,42 +187,98 @@ mod tests {
         Track { times: vec![1.0, 3.0], values: values.to_vec(), width, interpolation }
     }
 
+    fn number(track: &Track, time: f64) -> f64 {
+        let mut out = [f64::NAN];
+        track.sample(time, Property::Weights, &mut out);
+        out[0]
+    }
+
+    fn rotation(track: &Track, time: f64) -> DQuat {
+        let mut out = [f64::NAN; 4];
+        track.sample(time, Property::Rotation, &mut out);
+        DQuat::from_array(out)
+    }
+
     #[test]
     fn steps_hold_and_lines_join() {
         let step = track(Interpolation::Step, &[2.0, 6.0], 1);
         let line = track(Interpolation::Linear, &[2.0, 6.0], 1);
-        for (time, held, linear) in [
-            (0.0, 2.0, 2.0),
-            (1.5, 2.0, 3.0),
-            (2.999, 2.0, 5.998),
-            (3.0, 6.0, 6.0),
-            (9.0, 6.0, 6.0),
-        ] {
-            assert_eq!(step.sample(time, false), [held]);
-            assert!((line.sample(time, false)[0] - linear).abs() < 1e-5);
+        for (time, held, linear) in
+            [(0.0, 2.0, 2.0), (1.5, 2.0, 3.0), (2.75, 2.0, 5.5), (3.0, 6.0, 6.0), (9.0, 6.0, 6.0)]
+        {
+            assert_eq!(number(&step, time), held);
+            assert_eq!(number(&line, time), linear);
         }
     }
 
     #[test]
-    fn a_cubic_spline_reproduces_a_cubic() {
+    fn a_cubic_spline_reproduces_a_cubic_over_a_span_of_any_length() {
         let f = |t: f32| t * t * t - t;
         let d = |t: f32| 3.0 * t * t - 1.0;
-        let values = [0.0, f(1.0), d(1.0), d(3.0), f(3.0), 0.0];
+        let values = [7.0, f(1.0), d(1.0), d(3.0), f(3.0), 7.0];
         let spline = track(Interpolation::CubicSpline, &values, 1);
-        for t in [1.0f32, 1.3, 2.0, 2.7] {
-            assert!((spline.sample(f64::from(t), false)[0] - f(t)).abs() < 1e-4);
+        for t in [0.0f32, 1.0, 1.25, 2.0, 2.75, 3.0, 4.0] {
+            let held = t.clamp(1.0, 3.0);
+            assert!((number(&spline, t.into()) - f64::from(f(held))).abs() < 1e-12, "{t}");
         }
     }
 
     #[test]
-    fn rotations_take_the_shorter_way() {
-        let h = std::f32::consts::FRAC_1_SQRT_2;
-        // A quarter turn about y, given with the opposite sign.
-        let t = track(Interpolation::Linear, &[0.0, 0.0, 0.0, 1.0, 0.0, -h, 0.0, -h], 4);
-        let q = t.sample(2.0, true);
-        let eighth = std::f32::consts::FRAC_PI_8;
-        assert!(
-            (q[1].abs() - eighth.sin()).abs() < 1e-5 && (q[3].abs() - eighth.cos()).abs() < 1e-5
-        );
+    fn rotations_take_the_shorter_way_evenly() {
+        let end = Quat::from_rotation_y(2.0).to_array().map(|x| -x);
+        let values = [[0.0, 0.0, 0.0, 1.0], end].concat();
+        let turn = track(Interpolation::Linear, &values, 4);
+        for step in 0..=8 {
+            let along = f64::from(step) / 8.0;
+            let q = rotation(&turn, 1.0 + 2.0 * along);
+            let want = DQuat::from_rotation_y(2.0 * along);
+            assert!(q.dot(want).abs() > 1.0 - 1e-12, "{q} is not {want}");
+        }
+    }
+
+    #[test]
+    fn rotations_come_out_as_unit_quaternions() {
+        let spline: Vec<f32> = (0..24).map(|i| (i * 7 % 5) as f32 - 1.5).collect();
+        let line = [[0.0; 4], [3.0, 0.0, 0.0, 4.0]].concat();
+        for t in
+            [track(Interpolation::CubicSpline, &spline, 4), track(Interpolation::Linear, &line, 4)]
+        {
+            for time in [0.0, 1.1, 2.0, 2.9, 3.0] {
+                assert!((rotation(&t, time).length() - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn four_weights_are_no_rotation() {
+        let values = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]].concat();
+        let mut out = [0.0; 4];
+        track(Interpolation::Linear, &values, 4).sample(2.0, Property::Weights, &mut out);
+        assert_eq!(out, [0.5, 0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn broken_tracks_survive() {
+        let with = |times: &[f32], values: &[f32], interpolation| Track {
+            times: times.to_vec(),
+            values: values.to_vec(),
+            width: 1,
+            interpolation,
+        };
+        use Interpolation::{CubicSpline, Linear, Step};
+        for interpolation in [Step, Linear, CubicSpline] {
+            for time in [-1.0, 0.0, 0.5, 1.0, 2.0, f64::INFINITY, f64::NAN] {
+                assert!(number(&with(&[], &[], interpolation), time).is_nan(), "left alone");
+                assert!(number(&with(&[0.0, 1.0], &[], interpolation), time).is_nan());
+                let values: Vec<f32> = (0..12).map(|i| i as f32).collect();
+                for times in [[0.0, 1.0, 1.0, 2.0], [2.0, 1.0, 0.5, 0.0], [f32::NAN; 4]] {
+                    let got = number(&with(&times, &values, interpolation), time);
+                    assert!((-2.0..=13.0).contains(&got), "{times:?} at {time}: {got}");
+                }
+            }
+        }
+        // Of two keys at one time the first ends what came before, the second begins what follows.
+        let jump = with(&[0.0, 1.0, 1.0, 2.0], &[0.0, 1.0, 5.0, 6.0], Linear);
+        assert_eq!([0.5, 1.0, 1.5].map(|t| number(&jump, t)), [0.5, 5.0, 5.5]);
     }
 }
