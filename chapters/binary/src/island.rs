@@ -5,7 +5,7 @@
 //! a speck within a speck does not pull it along. A piece that touches no other label stays.
 
 use chiaro_image::Plane;
-use chiaro_image::labels::{Components, UNCOVERED, components};
+use chiaro_image::labels::{UNCOVERED, components};
 
 /// `white` without pieces of fewer than `area` pixels.
 pub fn without_islands(white: &Plane<bool>, mask: &Plane<bool>, area: f32) -> Plane<bool> {
@@ -31,7 +31,7 @@ fn merge_smallest(white: &Plane<bool>, mask: &Plane<bool>, area: f32) -> Option<
         return None;
     }
     let mut flips: Vec<bool> = (0..pieces.pieces.len()).map(small).collect();
-    for (a, b) in touching(&pieces) {
+    for (a, b) in pieces.touching() {
         let (pa, pb) = (pieces.pieces[a].area, pieces.pieces[b].area);
         // Of two small neighbours the smaller goes, ties by id.
         if small(a) && small(b) {
@@ -43,27 +43,6 @@ fn merge_smallest(white: &Plane<bool>, mask: &Plane<bool>, area: f32) -> Option<
         id => *w != flips[id as usize],
     });
     Some(next.expect("pieces have the picture's size"))
-}
-
-/// Pairs of pieces that touch at a side or a corner, each once.
-fn touching(pieces: &Components<bool>) -> Vec<(usize, usize)> {
-    let (w, h) = pieces.ids.size();
-    let mut pairs = Vec::new();
-    for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
-        let a = pieces.ids[(x, y)];
-        for (dx, dy) in crate::geometry::EDGES {
-            if let Some(&b) = pieces.ids.at(x as isize + dx, y as isize + dy)
-                && a != b
-                && a != UNCOVERED
-                && b != UNCOVERED
-            {
-                pairs.push((a.min(b) as usize, a.max(b) as usize));
-            }
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::line::Lines;
 use crate::terminal::terminal;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
+use chiaro_ink::smooth_coverage;
 use chiaro_trace::GBuffer;
 
 /// One picture's input: geometry and appearance.
@@ -58,8 +59,12 @@ pub fn shade(
     let white = without_islands(&labels.white, &graph.mask, area);
     let added = if area > 0.0 { graph.energy(&white) - labels.cut } else { 0 };
     let border = Border::measure(&white, &graph.mask, &factors);
-    let lines =
-        run.stage("lines", pixels, || Lines::find(&view.buffer, &white, paper_is_white, knobs));
+    let lines = run.stage("lines", pixels, || {
+        // Slivers that smoothing takes away need a line in their place.
+        let sigma = scaled(knobs.smooth, view.buffer.size().1);
+        let shown = smooth_coverage(&white, &graph.mask, sigma).map(|w| *w >= 0.5);
+        Lines::find(&view.buffer, &shown, paper_is_white, knobs)
+    });
     let island_energy = added as f64 / f64::from(graph.scale);
     Ok(Steps { difference, factors, graph, labels, white, island_energy, border, lines })
 }

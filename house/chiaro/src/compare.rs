@@ -4,7 +4,6 @@ use crate::disk;
 use crate::record::Record;
 use chiaro_basis::{Error, Result, Run};
 use chiaro_image::codec::{self, Limits};
-use chiaro_image::colour::srgb_encode;
 use chiaro_image::{Plane, metric};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -14,14 +13,18 @@ use std::path::Path;
 pub fn compare(a: &Path, b: &Path, run: &Run) -> Result<Record> {
     let mut record = Record::new("compare");
     let (a, b) = run.stage("load", 2, || Ok::<_, Error>((open(a)?, open(b)?)))?;
-    let (shown_a, shown_b) = (displayed(&a), displayed(&b));
+    let (shown_a, shown_b) = (metric::displayed(&a), metric::displayed(&b));
     let number = |value: Option<f64>| value.map_or(Value::Null, |v| json!(v));
     for (name, value) in [
         ("psnr_db", number(metric::psnr_db(&shown_a, &shown_b)?)),
         ("rmse", json!(metric::rmse(&shown_a, &shown_b)?)),
         (
             "rmse_relative",
-            number(metric::rmse_relative(&a, &b, &Plane::filled(a.width(), a.height(), true))?),
+            number(metric::rmse_relative(
+                &rgb(&a),
+                &rgb(&b),
+                &Plane::filled(a.width(), a.height(), true),
+            )?),
         ),
         ("changed_pixels", json!(metric::changed_pixels(&shown_a, &shown_b)?)),
         ("max_difference", json!(metric::max_difference(&shown_a, &shown_b)?)),
@@ -32,14 +35,12 @@ pub fn compare(a: &Path, b: &Path, run: &Run) -> Result<Record> {
     Ok(record)
 }
 
-/// Linear RGB of a picture file.
-fn open(path: &Path) -> Result<Plane<[f32; 3]>> {
+/// Linear light of a picture file.
+fn open(path: &Path) -> Result<Plane<[f32; 4]>> {
     let bytes = disk::read(path)?;
-    let name = path.display().to_string();
-    let linear = codec::read_colour(&bytes, &name, &Limits::default())?;
-    Ok(linear.map(|&[r, g, b, _]| [r, g, b]))
+    codec::read_colour(&bytes, &path.display().to_string(), &Limits::default())
 }
 
-fn displayed(linear: &Plane<[f32; 3]>) -> Plane<[f32; 3]> {
-    linear.map(|p| p.map(|c| srgb_encode(c).clamp(0.0, 1.0)))
+fn rgb(picture: &Plane<[f32; 4]>) -> Plane<[f32; 3]> {
+    picture.map(|&[r, g, b, _]| [r, g, b])
 }

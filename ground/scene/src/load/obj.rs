@@ -203,7 +203,8 @@ impl Reader<'_, '_> {
 
     /// The mesh of an object: one vertex for each corner that differs.
     fn mesh(&self, object: Object) -> Mesh {
-        let given = object.faces.iter().all(|f| f.corners.iter().all(|c| c.2.is_some()));
+        let given = object.faces.iter().all(|f| f.corners.iter().all(|c| c.2.is_some()))
+            && !object.faces.iter().all(|f| self.is_flat(f));
         let has_uv = object.faces.iter().any(|f| f.corners.iter().any(|c| c.1.is_some()));
         let mut mesh = Mesh { name: object.name, ..Mesh::default() };
         let mut vertices: HashMap<Corner, u32> = HashMap::new();
@@ -238,6 +239,17 @@ impl Reader<'_, '_> {
             normals::smooth(&mut mesh, CREASE, if grouped { &smoothing } else { &[] });
         }
         mesh
+    }
+
+    /// Whether a face's normals say no more than its corners: exporters write those for meshes that
+    /// nobody meant to be faceted.
+    fn is_flat(&self, face: &Face) -> bool {
+        let p = |i: usize| self.pool.positions[face.corners[i].0 as usize];
+        let normal = (p(1) - p(0)).cross(p(2) - p(0)).normalize_or_zero();
+        face.corners.iter().all(|c| {
+            let given = c.2.map_or(Vec3::ZERO, |n| self.pool.normals[n as usize]);
+            normal == Vec3::ZERO || given.normalize_or_zero().dot(normal) > 0.9999
+        })
     }
 
     fn fill(&self, mesh: &mut Mesh, order: &[Corner], has_uv: bool) {
