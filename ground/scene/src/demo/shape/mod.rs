@@ -1,0 +1,25 @@
+//! The building blocks of procedural scenes: what makes [`Form`]s, and what spreads them.
+
+mod ball;
+mod block;
+pub(crate) mod field;
+mod form;
+mod isosurface;
+mod lathe;
+mod loft;
+mod neighbours;
+mod noise;
+mod profile;
+mod scatter;
+mod tube;
+
+pub(crate) use ball::ball;
+pub(crate) use block::{block, prism, superellipsoid};
+pub(crate) use form::Form;
+pub(crate) use isosurface::isosurface;
+pub(crate) use lathe::lathe;
+pub(crate) use loft::{Join, loft, pointed, sheet, wrapped};
+pub(crate) use noise::{cells, layers, noise, ridges};
+pub(crate) use profile::Profile;
+pub(crate) use scatter::{between, rotation, spiral};
+pub(crate) use tube::{curve, stations, tube};
