@@ -105,20 +105,33 @@ fn object_view(points: &[Vec3], bounds: &Bounds, aspect: f32, orbit: f32) -> Pos
     pose
 }
 
-/// Where to stand, if the scene is a room.
+/// Where to stand, if the scene is a room: of the eyes above or below the passing points, the one
+/// that sees farthest. (A point under the roof may be the freest, and its eye inside a column.)
 fn stand_in_room(tracer: &Tracer, bounds: &Bounds) -> Option<Stand> {
     let diagonal = 2.0 * bounds.radius();
-    let medians: Vec<Option<f32>> = grid(bounds)
+    let eyes: Vec<Option<(f32, Vec3)>> = grid(bounds)
         .into_par_iter()
-        .map(|p| median_length(tracer, p).filter(|m| *m > 0.02 * diagonal))
+        .map(|p| {
+            median_length(tracer, p).filter(|m| *m > 0.02 * diagonal)?;
+            let eye = eye_over(tracer, p);
+            Some((median_length(tracer, eye)?, eye))
+        })
         .collect();
-    let best = medians
-        .iter()
-        .zip(grid(bounds))
-        .filter_map(|(m, p)| m.map(|m| (m, p)))
-        .max_by(|a, b| a.0.total_cmp(&b.0))?
-        .1;
-    Some(Stand::over(tracer, best))
+    let best = eyes.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Stand::at(tracer, best.1))
+}
+
+/// The distance to the nearest surface, 0 where there is none.
+fn reach(tracer: &Tracer, origin: Vec3, direction: Vec3) -> f32 {
+    let ray = Ray { origin, direction, t_max: f32::INFINITY };
+    tracer.hit(&ray, Sides::Both).map_or(0.0, |h| h.t)
+}
+
+/// The place above or below `point` at 45 % of the room's height there.
+fn eye_over(tracer: &Tracer, point: Vec3) -> Vec3 {
+    let floor = point.y - reach(tracer, point, -Vec3::Y);
+    let ceiling = point.y + reach(tracer, point, Vec3::Y);
+    Vec3::new(point.x, floor + 0.45 * (ceiling - floor), point.z)
 }
 
 /// Points of a coarse grid inside the box.
@@ -160,19 +173,13 @@ fn sphere() -> impl Iterator<Item = Vec3> {
 }
 
 impl Stand {
-    /// Above or below `point`, at 45 % of the room's height there, facing the deepest quarter.
-    fn over(tracer: &Tracer, point: Vec3) -> Self {
-        let reach = |origin: Vec3, direction: Vec3| {
-            let ray = Ray { origin, direction, t_max: f32::INFINITY };
-            tracer.hit(&ray, Sides::Both).map_or(0.0, |h| h.t)
-        };
-        let floor = point.y - reach(point, -Vec3::Y);
-        let ceiling = point.y + reach(point, Vec3::Y);
-        let eye = Vec3::new(point.x, floor + 0.45 * (ceiling - floor), point.z);
+    /// At `eye`, facing the deepest quarter.
+    fn at(tracer: &Tracer, eye: Vec3) -> Self {
         const STEPS: usize = 72;
         let heading =
             |k: usize| Quat::from_rotation_y(k as f32 * std::f32::consts::TAU / STEPS as f32);
-        let depths: Vec<f32> = (0..STEPS).map(|k| reach(eye, heading(k) * -Vec3::Z)).collect();
+        let depths: Vec<f32> =
+            (0..STEPS).map(|k| reach(tracer, eye, heading(k) * -Vec3::Z)).collect();
         // A quarter of the circle, centred on k: the view is about as wide.
         let quarter = |k: usize| -> f32 {
             (0..=STEPS / 4).map(|i| depths[(k + STEPS + i - STEPS / 8) % STEPS]).sum()

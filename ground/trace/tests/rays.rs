@@ -17,9 +17,8 @@ fn sphere(n: usize, bump: f32) -> Mesh {
         for j in 0..around {
             let turn = std::f32::consts::TAU * j as f32 / around as f32;
             let r = 1.0 + bump * (7.0 * turn).sin() * (5.0 * polar).sin();
-            positions.push(
-                vec3(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin()) * r,
-            );
+            positions
+                .push(vec3(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin()) * r);
         }
     }
     positions.push(Vec3::NEG_Y);
@@ -44,11 +43,8 @@ fn sphere(n: usize, bump: f32) -> Mesh {
 }
 
 fn scene(mesh: Mesh, places: &[Transform]) -> Scene {
-    let node = |t: &Transform| Node {
-        transform: *t,
-        mesh: Some(MeshId::new(0)),
-        ..Node::default()
-    };
+    let node =
+        |t: &Transform| Node { transform: *t, mesh: Some(MeshId::new(0)), ..Node::default() };
     Scene {
         meshes: vec![mesh],
         materials: vec![Material::default()],
@@ -129,7 +125,10 @@ fn hits_are_those_of_every_triangle_tried_in_turn() {
             .iter()
             .flat_map(|o| {
                 let p: Vec<Vec3> = frame.world_positions(o).collect();
-                scene.meshes[0].triangles.iter().filter_map(move |t| cross(&ray, t.map(|v| p[v as usize])))
+                scene.meshes[0]
+                    .triangles
+                    .iter()
+                    .filter_map(move |t| cross(&ray, t.map(|v| p[v as usize])))
             })
             .fold(f32::INFINITY, f32::min);
         let hit = tracer.hit(&ray, Sides::Both).map_or(f32::INFINITY, |h| h.t);

@@ -1,0 +1,208 @@
+//! The program as a user meets it: what it writes, what it says, how it ends.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn chiaro(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_chiaro"))
+        .current_dir(folder)
+        .args(args)
+        .output()
+        .expect("the program starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A folder with a cube in it.
+fn folder() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("cube.obj"), CUBE).unwrap();
+    dir
+}
+
+const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+/// Files in a folder and below, hidden ones too.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(f) = folders.pop() {
+        for entry in std::fs::read_dir(f).unwrap().map(|e| e.unwrap().path()) {
+            if entry.is_dir() { folders.push(entry) } else { found.push(entry) }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn a_picture_is_the_same_for_any_number_of_threads() {
+    let dir = folder();
+    for threads in ["1", "2", "5"] {
+        let name = format!("{threads}.png");
+        let args =
+            ["binary", "cube.obj", "-o", &name, "--size", "160x120", "--threads", threads, "-q"];
+        let output = chiaro(dir.path(), &args);
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(output.stderr.is_empty() && output.stdout.is_empty());
+    }
+    let bytes = |n: &str| std::fs::read(dir.path().join(n)).unwrap();
+    assert_eq!(bytes("1.png"), bytes("2.png"));
+    assert_eq!(bytes("1.png"), bytes("5.png"));
+}
+
+#[test]
+fn the_record_has_its_keys() {
+    let dir = folder();
+    let args = ["binary", "cube.obj", "-o", "a.pbm", "--size", "96x96", "--json", "-", "-q"];
+    let output = chiaro(dir.path(), &args);
+    let record: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for key in ["command", "version", "settings", "seed", "threads", "outputs", "stages", "peak_bytes", "warnings", "counts"] {
+        assert!(!record[key].is_null(), "{key}");
+    }
+    for key in [
+        "pixels", "nodes", "flow", "cut", "white_fraction", "components", "islands_under_30px",
+        "island_energy", "boundary_px", "feature_share", "feature_share_by_chance",
+    ] {
+        assert!(record["counts"][key].is_number(), "{key}");
+    }
+    assert_eq!(record["counts"]["flow"], record["counts"]["cut"]);
+    assert_eq!(record["counts"]["islands_under_30px"], 0);
+    assert_eq!(record["settings"]["global"], 0.35);
+}
+
+#[test]
+fn info_counts_what_is_stored() {
+    let dir = folder();
+    let output = chiaro(dir.path(), &["info", "cube.obj", "--json", "-", "-q"]);
+    let record: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(record["counts"]["triangles"], 12);
+    assert_eq!(record["counts"]["triangles_drawn"], 12);
+    assert_eq!(record["counts"]["vertices"], 8);
+}
+
+#[test]
+fn a_film_resumes_with_what_is_missing_or_damaged() {
+    let dir = folder();
+    let film = |extra: &[&str]| {
+        let mut args = vec![
+            "binary", "cube.obj", "-o", "film/####.png", "--turntable", "--size", "64x48",
+            "--shot", "1-4", "-q",
+        ];
+        args.extend(extra);
+        let output = chiaro(dir.path(), &args);
+        assert!(output.status.success(), "{}", stderr(&output));
+    };
+    let frame = |n: u32| dir.path().join(format!("film/{n:04}.png"));
+    film(&["--frames", "1-4"]);
+    let whole: Vec<Vec<u8>> = (1..=4).map(|n| std::fs::read(frame(n)).unwrap()).collect();
+    assert!(whole[0] != whole[1], "the turntable turns");
+    let untouched = std::fs::metadata(frame(2)).unwrap().modified().unwrap();
+    std::fs::remove_file(frame(3)).unwrap();
+    std::fs::write(frame(4), b"half").unwrap();
+    film(&["--frames", "1-4"]);
+    for n in 1..=4 {
+        assert_eq!(std::fs::read(frame(n)).unwrap(), whole[n as usize - 1], "frame {n}");
+    }
+    assert_eq!(std::fs::metadata(frame(2)).unwrap().modified().unwrap(), untouched);
+    // A part of the shot has the bytes of the whole.
+    std::fs::remove_dir_all(dir.path().join("film")).unwrap();
+    film(&["--frames", "3"]);
+    assert_eq!(std::fs::read(frame(3)).unwrap(), whole[2]);
+    // Other settings make the frame anew.
+    film(&["--frames", "3", "--set", "global=0.9"]);
+    assert_ne!(std::fs::read(frame(3)).unwrap(), whole[2]);
+}
+
+#[test]
+fn what_cannot_be_done_is_one_sentence_and_nothing_is_written() {
+    let dir = folder();
+    let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
+    write("empty.obj", "");
+    write("points.obj", "v 0 0 0\nv 1 0 0\n");
+    write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    write("nan.obj", "v nan nan nan\nv 1 0 0\nv 2 1 0\nf 1 2 3\n");
+    write("a.blend", "BLENDER");
+    write("junk.glb", "glTF and then nothing of it");
+    std::fs::create_dir(dir.path().join("folder.png")).unwrap();
+    let before = files(dir.path());
+    let cases: [(&[&str], &str); 18] = [
+        (&["missing.obj"], "not found"),
+        (&["cub.obj"], "did you mean"),
+        (&["empty.obj"], "empty"),
+        (&["points.obj"], "no geometry"),
+        (&["flat.obj"], "no geometry"),
+        (&["nan.obj"], "no geometry"),
+        (&["a.blend"], "File > Export > glTF 2.0"),
+        (&["junk.glb"], "junk.glb"),
+        (&["."], "folder"),
+        (&["demo:nothing"], "demo:"),
+        (&["cube.obj", "--size", "0x0"], "--size"),
+        (&["cube.obj", "--size", "100000x100000"], "--size"),
+        (&["cube.obj", "--frames", "0"], "--frames"),
+        (&["cube.obj", "--frames", "1-3"], "pattern"),
+        (&["cube.obj", "--style", "inc"], "did you mean ink?"),
+        (&["cube.obj", "--set", "globul=1"], "did you mean global?"),
+        (&["cube.obj", "--ink", "blakc"], "black"),
+        (&["cube.obj", "--camera", "left"], "--camera"),
+    ];
+    for (args, expected) in cases {
+        let mut all = vec!["binary", "-q", "-o", "out.png"];
+        all.extend(args);
+        let output = chiaro(dir.path(), &all);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains(expected), "{args:?}: {said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{args:?}: {said}");
+        assert_eq!(files(dir.path()), before, "{args:?}");
+    }
+    let output = chiaro(dir.path(), &["binary", "cube.obj", "-o", "folder.png", "-q", "--size", "8x8"]);
+    // A folder takes frames of its own.
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(dir.path().join("folder.png/0001.png").is_file());
+}
+
+#[test]
+fn wrong_usage_ends_with_two() {
+    let dir = folder();
+    for args in [&["binary"][..], &["binry"], &["binary", "cube.obj", "-o", "a.png", "--nothing"]] {
+        assert_eq!(chiaro(dir.path(), args).status.code(), Some(2), "{args:?}");
+    }
+}
+
+#[test]
+fn styles_completions_and_manual_are_printed() {
+    let dir = folder();
+    let shown = chiaro(dir.path(), &["style", "show", "etched"]).stdout;
+    std::fs::write(dir.path().join("mine.toml"), shown).unwrap();
+    for style in ["etched", "mine.toml"] {
+        let name = format!("{style}.pbm");
+        let args = ["binary", "cube.obj", "-o", &name, "--style", style, "--size", "64x64", "-q"];
+        assert!(chiaro(dir.path(), &args).status.success());
+    }
+    let bytes = |n: &str| std::fs::read(dir.path().join(n)).unwrap();
+    assert_eq!(bytes("etched.pbm"), bytes("mine.toml.pbm"));
+    for args in [&["completions", "bash"][..], &["man"], &["style", "list"], &["--help"]] {
+        let output = chiaro(dir.path(), args);
+        assert!(output.status.success() && output.stdout.len() > 100, "{args:?}");
+    }
+}
+
+#[test]
+fn a_picture_compares_equal_with_itself() {
+    let dir = folder();
+    for (name, g) in [("a.png", "global=0.2"), ("b.png", "global=1")] {
+        let args = ["binary", "cube.obj", "-o", name, "--size", "64x64", "-q", "--set", g];
+        assert!(chiaro(dir.path(), &args).status.success());
+    }
+    let changed = |a: &str, b: &str| {
+        let output = chiaro(dir.path(), &["compare", a, b, "--json", "-", "-q"]);
+        let record: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        record["counts"]["changed_pixels"].as_u64().unwrap()
+    };
+    assert_eq!(changed("a.png", "a.png"), 0);
+    assert_eq!(chiaro(dir.path(), &["compare", "a.png", "cube.obj"]).status.code(), Some(1));
+}
