@@ -1,1 +1,0 @@
-//! Adjacency of a mesh welded over its whole animation.
