@@ -4,8 +4,8 @@
 
 use std::fmt;
 
-/// The most pixels a grid may have: 2^28. Every cost then fits an `i64`, every index a `u32`.
-pub const MAX_PIXELS: usize = 1 << 28;
+/// The most pixels a grid may have: 2^27. Every cost then fits an `i64`, every index a `u32`.
+pub const MAX_PIXELS: usize = 1 << 27;
 
 /// The largest neighbour capacity: 2^27 - 1. The eight of a pixel then sum to less than 2^30.
 pub const MAX_NEIGHBOUR: i32 = (1 << 27) - 1;
@@ -143,16 +143,43 @@ pub fn energy(grid: &Grid, labels: &[bool]) -> i64 {
         [labels.len(), grid.mask.len(), grid.terminal.len(), grid.neighbour.len()] == [pixels; 4],
         "one label, mask, terminal and neighbour value a pixel"
     );
-    (0..pixels).filter(|&i| grid.mask[i]).map(|i| pixel_energy(grid, labels, i)).sum()
+    let mut kinds = [vec![0; grid.width + 2], vec![0; grid.width + 2]];
+    read_kinds(grid, labels, 0, &mut kinds[1]);
+    let row = |y| {
+        kinds.swap(0, 1);
+        read_kinds(grid, labels, y + 1, &mut kinds[1]);
+        row_energy(grid, y, &kinds[0], &kinds[1])
+    };
+    (0..grid.height).map(row).sum()
 }
 
-/// What pixel `i` pays: its terminal, and its neighbours to the east, south-east, south, south-west.
-fn pixel_energy(grid: &Grid, labels: &[bool], i: usize) -> i64 {
-    let (x, y, width) = (i % grid.width, i / grid.width, grid.width);
-    let (east, south, west) = (x + 1 < width, y + 1 < grid.height, x > 0);
-    let inside = [east, south && east, south, south && west];
-    let others = [i + 1, i + width + 1, i + width, i + width - 1];
-    let cut = |d: usize| inside[d] && grid.mask[others[d]] && labels[others[d]] != labels[i];
-    let bonds = (0..4).filter(|&d| cut(d)).map(|d| i64::from(grid.neighbour[i][d])).sum::<i64>();
-    i64::from(grid.terminal[i][usize::from(labels[i])]) + bonds
+/// Marks row `y` with 1 for black, 2 for white, 0 for no node, framed by one pixel; a row below
+/// the picture has no node.
+fn read_kinds(grid: &Grid, labels: &[bool], y: usize, kinds: &mut [i32]) {
+    let start = y * grid.width;
+    let kinds = &mut kinds[1..=grid.width];
+    match grid.mask.get(start..start + grid.width) {
+        Some(mask) => {
+            for ((kind, &node), &white) in kinds.iter_mut().zip(mask).zip(&labels[start..]) {
+                *kind = if node { 1 + i32::from(white) } else { 0 };
+            }
+        }
+        None => kinds.fill(0),
+    }
+}
+
+/// What row `y` pays: its terminals, and its neighbours to the east and in the row below.
+fn row_energy(grid: &Grid, y: usize, here: &[i32], below: &[i32]) -> i64 {
+    let pixels = y * grid.width..(y + 1) * grid.width;
+    let (terminal, neighbour) = (&grid.terminal[pixels.clone()], &grid.neighbour[pixels]);
+    let (here, below) = (&here[..terminal.len() + 2], &below[..terminal.len() + 2]);
+    let paid = |cost: i32, pays: bool| i64::from(if pays { cost } else { 0 });
+    let mut sum = 0;
+    for (x, (&[white, black], bonds)) in terminal.iter().zip(neighbour).enumerate() {
+        let kind = here[x + 1];
+        let differs = [here[x + 2], below[x + 2], below[x + 1], below[x]].map(|k| kind ^ k == 3);
+        sum += paid(white, kind == 1) + paid(black, kind == 2);
+        sum += (0..4).map(|d| paid(bonds[d], differs[d])).sum::<i64>();
+    }
+    sum
 }

@@ -29,9 +29,17 @@
 //! their paths are short.
 
 mod around;
+mod capacity;
+mod chain;
 mod grid;
+mod planes;
 mod residual;
 mod search;
+
+use capacity::Capacity;
+use planes::Planes;
+use residual::Residual;
+use search::Search;
 
 pub use grid::{Grid, GridError, MAX_NEIGHBOUR, MAX_PIXELS, energy};
 
@@ -53,8 +61,23 @@ pub struct Cut {
 /// [`MAX_NEIGHBOUR`].
 pub fn solve(grid: &Grid) -> Result<Cut, GridError> {
     grid.check()?;
-    let (labels, flow) = search::cut(grid);
+    if grid.mask.is_empty() {
+        return Ok(Cut { labels: Vec::new(), flow: 0, cut: 0 });
+    }
+    let (labels, flow) = labels_and_flow::<i16>(grid)
+        .or_else(|| labels_and_flow::<i32>(grid))
+        .expect("a checked grid fits 32 bits");
     let cut = energy(grid, &labels);
     debug_assert_eq!(flow, cut, "a maximal flow equals its cut");
     Ok(Cut { labels, flow, cut })
+}
+
+/// The canonical labels and the flow; `None` if a value is too large for `C`.
+fn labels_and_flow<C: Capacity>(grid: &Grid) -> Option<(Vec<bool>, i64)> {
+    let mut planes = Planes::<C>::read(grid)?;
+    chain::route(&mut planes);
+    let (direct, supply) = (planes.direct, planes.supply);
+    let mut search = Search::new(Residual::new(planes));
+    search.run()?;
+    Some((search.labels(), direct + supply - search.left()))
 }

@@ -1,75 +1,183 @@
-//! The residual graph: one record a pixel, in a frame of edgeless pixels.
+//! The residual graph: one record a pixel, in a frame of pixels without arcs.
 //!
-//! The frame spares the search every test for the border: its records have no capacity and no
-//! excess. Rows share it: the pixel right of a row's last is the one left of the next row's first.
+//! The frame spares the search every test for the border. Rows share it: the pixel right of a
+//! row's last is the one left of the next row's first.
 
 use crate::around::{STEPS, opposite};
-use crate::grid::Grid;
+use crate::capacity::Capacity;
+use crate::planes::{PLANES, Planes, RECORD, split};
 
-/// What is left of a pixel's capacities.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Record {
-    /// To each of the eight neighbours.
-    pub(crate) residual: [i32; 8],
-    /// From the white terminal if positive, to the black terminal if negative.
-    pub(crate) excess: i32,
-}
+/// Where the excess is in a record: from the white terminal if positive, to the black one if negative.
+const EXCESS: usize = 8;
+/// Where the open arcs are: a set of directions for those that arrive, above it one for those that leave.
+const ARCS: usize = 9;
 
-/// The framed records of a grid.
-pub(crate) struct Residual {
+/// The framed records of a grid: eight residuals, the excess, the incoming arcs.
+pub(crate) struct Residual<C> {
     pub(crate) width: usize,
     pub(crate) height: usize,
-    pub(crate) records: Vec<Record>,
+    records: Vec<[C; RECORD]>,
     /// How far each direction is in `records`.
-    pub(crate) offset: [isize; 8],
+    offset: [isize; 8],
 }
 
-impl Residual {
-    /// Reads the capacities of `grid`.
-    pub(crate) fn new(grid: &Grid) -> Self {
-        let stride = grid.width + 1;
+impl<C: Capacity> Residual<C> {
+    /// Makes records of the planes, in their place.
+    pub(crate) fn new(planes: Planes<C>) -> Self {
+        let Planes { width, height, mut records, start, .. } = planes;
+        let (stride, length) = (width + 1, width * PLANES);
         let offset = STEPS.map(|(x, y)| x + y * stride as isize);
-        let records = vec![Record::default(); stride * (grid.height + 2) + 1];
-        let mut graph = Self { width: grid.width, height: grid.height, records, offset };
-        for y in 0..grid.height {
-            for x in 0..grid.width {
-                graph.read(grid, x, y);
-            }
+        let mut lines = [vec![C::default(); length], vec![C::default(); length]];
+        let mut fields = vec![C::default(); width * RECORD];
+        for y in 0..height {
+            lines.swap(0, 1);
+            lines[1].copy_from_slice(&records.as_flattened()[start + y * length..][..length]);
+            read_fields(&mut fields, &mut lines, width);
+            let row = &mut records[(y + 1) * stride..][..stride];
+            row[0] = [C::default(); RECORD];
+            write_records(&mut row[1..], &fields);
         }
-        graph
+        records[(height + 1) * stride..].fill([C::default(); RECORD]);
+        Self { width, height, records, offset }
     }
 
-    /// Where pixel (x, y) is in `records`.
-    pub(crate) fn index(&self, x: usize, y: usize) -> usize {
-        (y + 1) * (self.width + 1) + x + 1
+    /// The number of framed pixels.
+    pub(crate) fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    /// How far apart rows are.
+    #[inline(always)]
+    pub(crate) fn stride(&self) -> usize {
+        self.width + 1
+    }
+
+    /// Where row `y` begins.
+    pub(crate) fn row(&self, y: usize) -> usize {
+        (y + 1) * self.stride() + 1
     }
 
     /// The neighbour of `v` in direction `d`.
+    #[inline(always)]
     pub(crate) fn neighbour(&self, v: usize, d: usize) -> usize {
-        v.wrapping_add_signed(self.offset[d])
+        v.wrapping_add_signed(self.offset[d & 7])
     }
 
-    /// Moves `amount` from `v` to its neighbour in direction `d`.
-    pub(crate) fn push(&mut self, v: usize, d: usize, amount: i32) {
-        let w = self.neighbour(v, d);
-        self.records[v].residual[d] -= amount;
-        self.records[w].residual[opposite(d)] += amount;
+    #[inline(always)]
+    pub(crate) fn excess(&self, v: usize) -> i32 {
+        self.records[v][EXCESS].get()
     }
 
-    fn read(&mut self, grid: &Grid, x: usize, y: usize) {
-        let i = y * grid.width + x;
-        if !grid.mask[i] {
-            return;
-        }
-        let v = self.index(x, y);
-        self.records[v].excess = grid.terminal[i][0] - grid.terminal[i][1];
-        for (d, capacity) in (3..7).zip(grid.neighbour[i]) {
-            let (x, y) = (x.wrapping_add_signed(STEPS[d].0), y.wrapping_add_signed(STEPS[d].1));
-            if x < grid.width && y < grid.height && grid.mask[y * grid.width + x] {
-                let w = self.neighbour(v, d);
-                self.records[v].residual[d] = capacity;
-                self.records[w].residual[opposite(d)] = capacity;
+    /// Takes `amount` of the excess of `v`; whether nothing is left.
+    #[inline(always)]
+    pub(crate) fn drain(&mut self, v: usize, amount: i32) -> bool {
+        let excess = &mut self.records[v][EXCESS];
+        let left = excess.get() - excess.get().signum() * amount;
+        *excess = C::of(left);
+        left == 0
+    }
+
+    /// What can flow from `v` in direction `d`.
+    #[inline(always)]
+    pub(crate) fn capacity(&self, v: usize, d: usize) -> i32 {
+        self.records[v][d & 7].get()
+    }
+
+    /// The directions in which `v` has an open arc.
+    #[inline(always)]
+    pub(crate) fn outgoing(&self, v: usize) -> u8 {
+        (self.records[v][ARCS].get() >> 8) as u8
+    }
+
+    /// The directions from which `v` has an open arc.
+    #[inline(always)]
+    pub(crate) fn incoming(&self, v: usize) -> u8 {
+        self.records[v][ARCS].get() as u8
+    }
+
+    /// Moves `amount` from `v` to its neighbour in direction `d`; whether that closes the arc.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, v: usize, d: usize, amount: i32) -> bool {
+        let (w, back) = (self.neighbour(v, d), opposite(d & 7));
+        let from = &mut self.records[v];
+        let left = from[d & 7].get() - amount;
+        from[d & 7] = C::of(left);
+        let closed = i32::from(left == 0);
+        from[ARCS] = C::of((from[ARCS].get() | 1 << (d & 7)) & !(closed << 8 << (d & 7)));
+        let to = &mut self.records[w];
+        to[back] = C::of(to[back].get() + amount);
+        to[ARCS] = C::of((to[ARCS].get() | 1 << 8 << back) & !(closed << back));
+        left == 0
+    }
+}
+
+/// Computes the fields of the records of a row, one after the other, from the planes of the row
+/// above and its own.
+fn read_fields<C: Capacity>(fields: &mut [C], lines: &mut [Vec<C>; 2], width: usize) {
+    let [above, here] = lines.each_mut().map(|line| split(line, width));
+    let (residuals, rest) = fields.split_at_mut(8 * width);
+    let (excess, arcs) = rest.split_at_mut(width);
+    excess.copy_from_slice(here.excess);
+    arcs.fill(C::default());
+    let links = [
+        (&above, 1),
+        (&above, 2),
+        (&above, 3),
+        (&here, 0),
+        (&here, 1),
+        (&here, 2),
+        (&here, 3),
+        (&here, 0),
+    ];
+    for (d, (residual, (row, link))) in residuals.chunks_exact_mut(width).zip(links).enumerate() {
+        let (capacity, flow) = (&*row.capacity[link], &*row.flow[link]);
+        // Links to the north and west belong to the other pixel, and flow comes in over them.
+        match d {
+            0 | 7 => {
+                residual[0] = C::default();
+                read_arcs::<C, true>(
+                    d,
+                    &capacity[..width - 1],
+                    flow,
+                    &mut residual[1..],
+                    &mut arcs[1..],
+                );
             }
+            1 => read_arcs::<C, true>(d, capacity, flow, residual, arcs),
+            2 => {
+                residual[width - 1] = C::default();
+                read_arcs::<C, true>(d, &capacity[1..], &flow[1..], residual, arcs);
+            }
+            _ => read_arcs::<C, false>(d, capacity, flow, residual, arcs),
         }
+    }
+}
+
+#[inline(always)]
+fn read_arcs<C: Capacity, const INWARD: bool>(
+    d: usize,
+    capacity: &[C],
+    flow: &[C],
+    residual: &mut [C],
+    arcs: &mut [C],
+) {
+    let (arriving, leaving) = (C::of(1 << d), C::of(1 << d << 8));
+    for (((&capacity, &flow), residual), arcs) in capacity.iter().zip(flow).zip(residual).zip(arcs)
+    {
+        let flow = if INWARD { -flow } else { flow };
+        let (out, back) = (capacity - flow, capacity + flow);
+        *residual = out;
+        let arrives = if back > C::default() { arriving } else { C::default() };
+        let leaves = if out > C::default() { leaving } else { C::default() };
+        *arcs = *arcs + arrives + leaves;
+    }
+}
+
+/// Writes the records of a row from its fields.
+fn write_records<C: Capacity>(records: &mut [[C; RECORD]], fields: &[C]) {
+    let width = records.len();
+    let fields: [&[C]; RECORD] = std::array::from_fn(|n| &fields[n * width..][..width]);
+    for (x, record) in records.iter_mut().enumerate() {
+        *record = std::array::from_fn(|n| fields[n][x]);
     }
 }
