@@ -85,10 +85,19 @@ impl Finder<'_> {
         objects || self.is_step(p, q) || self.is_crease(p, q)
     }
 
-    /// A depth step, also for what is nearly edge-on: a pixel's own depth range is no step.
+    /// A depth step. On what is nearly edge-on a pixel's own depth range is no step.
     fn is_step(&self, p: Pixel, q: Pixel) -> bool {
         let step = depth_step(self.buffer, p, q, DepthForm::Plane);
-        step > self.knobs.line_depth * self.buffer.radius
+        let limit = self.knobs.line_depth * self.buffer.radius;
+        step > limit && step > 2.0 * self.depth_range(p).min(self.depth_range(q))
+    }
+
+    /// How far a pixel's surface reaches in depth, in scene units.
+    fn depth_range(&self, p: Pixel) -> f32 {
+        let b = self.buffer;
+        let facing = b.to_eye(Vec3::from(b.position[p])).dot(Vec3::from(b.smooth_normal[p]));
+        let pixel = b.pose.pixel_size(b.depth[p], b.size().1 as f32);
+        pixel / facing.abs().max(1e-3)
     }
 
     /// A crease of the smooth surface: a bend over one pixel that its surroundings do not share.

@@ -298,7 +298,9 @@ fn nearer(a: &Hit, b: &Hit) -> bool {
 }
 
 fn box_ray(ray: &Ray) -> BoxRay {
-    BoxRay::new(Vec3A::from(ray.origin), Vec3A::from(ray.direction), 0.0, ray.t_max)
+    // The box test takes the sign of an inverse for that of the direction: no zero may be negative.
+    let direction = Vec3A::from(ray.direction) + Vec3A::ZERO;
+    BoxRay::new(Vec3A::from(ray.origin), direction, 0.0, ray.t_max)
 }
 
 impl Placed {

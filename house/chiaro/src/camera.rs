@@ -122,6 +122,14 @@ impl Camera {
         }
     }
 
+    /// The fixed view in numbers, to be given by hand; `None` for cameras of the scene.
+    pub fn numbers(&self) -> Option<[Vec3; 2]> {
+        match &self.source {
+            Source::Scene { .. } => None,
+            Source::Fixed { pose, .. } => Some([pose.position, pose.position + pose.forward]),
+        }
+    }
+
     /// The same camera with a picture `height` pixels high.
     pub fn at_height(&self, height: usize) -> Self {
         let (w, h) = self.size;
