@@ -4,6 +4,7 @@
 //! y is up, and refuses what has no geometry.
 
 mod door;
+mod gltf;
 mod mtl;
 mod obj;
 mod picture;
@@ -54,6 +55,7 @@ pub fn read_scene(name: &str, bytes: &[u8], up: Up, door: &mut Door) -> Result<S
         return Err(Error::input(name, "", "is empty; export the scene again"));
     }
     let (mut scene, said) = match ending(name).as_str() {
+        "gltf" | "glb" => (gltf::read(bytes, door)?, Up::Y),
         "obj" => (obj::read(bytes, door)?, Up::Y),
         other => return Err(Error::input(name, "", unreadable(other))),
     };
