@@ -26,14 +26,14 @@ fn data() -> Option<PathBuf> {
     if path.join("INDEX.md").exists() {
         return Some(path);
     }
-    println!("skipped: there is no test data beside the workspace");
+    eprintln!("skipped: there is no test data beside the workspace");
     None
 }
 
 fn read(path: &Path) -> Result<Scene> {
-    let name = path.file_name().unwrap().to_string_lossy().into_owned();
-    let folder = Folder(path.parent().unwrap().to_owned());
-    let bytes = std::fs::read(path).unwrap();
+    let name = path.file_name().expect("a file").to_string_lossy().into_owned();
+    let folder = Folder(path.parent().expect("in a folder").to_owned());
+    let bytes = std::fs::read(path).expect("a readable file");
     read_scene(&name, &bytes, Up::Auto, &mut Door::new(&name, &folder, Budget::default()))
 }
 
@@ -46,7 +46,7 @@ struct Line {
 }
 
 fn index(data: &Path) -> Vec<Line> {
-    let text = std::fs::read_to_string(data.join("INDEX.md")).unwrap();
+    let text = std::fs::read_to_string(data.join("INDEX.md")).expect("a readable index");
     let line = |line: &str| {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         let file = cells.get(1).filter(|f| f.ends_with(".gltf") || f.ends_with(".glb"))?;
@@ -81,7 +81,7 @@ fn counts_are_those_of_the_index() {
     assert!(lines.len() > 45, "the index has {} glTF files", lines.len());
     for line in lines.iter().filter(|l| !l.file.contains("/compressed/")) {
         let scene = read(&data.join(&line.file)).unwrap_or_else(|e| panic!("{}: {e}", line.file));
-        println!("{}: {:?}", line.file, scene.warnings);
+        eprintln!("{}: {:?}", line.file, scene.warnings);
         assert_eq!(scene.stored.triangles, line.triangles, "triangles of {}", line.file);
         assert_eq!(scene.stored.vertices, line.vertices, "vertices of {}", line.file);
         if let Some(clips) = noted(&line.notes, "clips") {
@@ -186,11 +186,11 @@ fn invalid_files_end_quickly_in_a_scene_or_a_sentence() {
         let name = file.file_name().unwrap().to_string_lossy();
         match read(&file) {
             Ok(scene) => {
-                println!("{name}: ok {:?}", scene.warnings);
+                eprintln!("{name}: ok {:?}", scene.warnings);
                 is_sound(&name, &scene);
             }
             Err(why) => {
-                println!("{why}");
+                eprintln!("{why}");
                 assert!(why.to_string().contains(name.as_ref()), "{why}");
             }
         }

@@ -14,7 +14,7 @@ use chiaro_basis::math::{Vec2, Vec3, Vec4};
 use chiaro_basis::{Error, Result};
 
 /// How a mesh is used by the nodes of a document.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub(super) struct Usage {
     /// Whether the default scene draws it.
     pub(super) drawn: bool,

@@ -70,6 +70,10 @@ pub(super) fn read(bytes: &[u8], door: &mut Door) -> Result<Scene> {
     let usage = node::usage(&root, &tree, &skins, &cx)?;
     let meshes = mesh::read(&root, &accessors, &materials, &usage, &mut stored, &mut cx)?;
     let mut nodes = node::read(&root, &tree, &meshes, &skins, &accessors, &mut cx)?;
+    if !nodes.iter().any(|n| n.mesh.is_some()) {
+        let why = "no geometry is left: its scene draws no triangles; export meshes";
+        return Err(cx.door.error("", why));
+    }
     let clips = animation::read(&root, &tree, &accessors, &mut nodes, &mut cx)?;
     let cameras = camera::read(&root, &tree, &mut cx);
     let lights = light::read(&root, &tree, &mut cx);

@@ -14,7 +14,8 @@ const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// How the document's nodes use each of its meshes.
 pub(super) fn usage(root: &Value, tree: &Tree, skins: &[Skin], cx: &Context) -> Result<Vec<Usage>> {
-    let mut usage = vec![Usage::default(); root.list("meshes").len()];
+    let unused = Usage { drawn: tree.items.is_empty(), joints: None };
+    let mut usage = vec![unused; root.list("meshes").len()];
     for (node, item) in tree.items.iter().enumerate() {
         let wrong = |why| cx.wrong(Place::new("node", node), why);
         let Some(mesh) = item.index("mesh", usage.len()).map_err(wrong)? else { continue };
@@ -39,6 +40,10 @@ pub(super) fn read(
     accessors: &Accessors,
     cx: &mut Context,
 ) -> Result<Vec<Node>> {
+    if tree.items.is_empty() && !meshes.is_empty() {
+        cx.remark("it has no nodes; each mesh is drawn as it is");
+        return Ok((0..meshes.len()).map(|i| alone(i, &meshes[i])).collect());
+    }
     let mut nodes = Vec::with_capacity(tree.order().len());
     let mut shown = vec![false; meshes.len()];
     for &i in tree.order() {
@@ -66,6 +71,16 @@ pub(super) fn read(
         nodes.push(node);
     }
     Ok(nodes)
+}
+
+/// A node for a mesh that none shows.
+fn alone(index: usize, mesh: &Mesh) -> Node {
+    Node {
+        name: mesh.name.clone(),
+        mesh: (!mesh.triangles.is_empty()).then(|| MeshId::new(index)),
+        weights: vec![0.0; mesh.morphs.len()],
+        ..Node::default()
+    }
 }
 
 /// Takes what drawing a node costs: triangles, and memory where frames need copies of its vertices.
