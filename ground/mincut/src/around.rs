@@ -49,8 +49,18 @@ pub(crate) fn zero(values: [i32; 8]) -> u8 {
     (0..8).fold(0, |set, d| set | u8::from(values[d] == 0) << d)
 }
 
-/// Where the values are above `low` and at most `high`.
+/// The directions whose neighbour holds the direction back to `v`.
 #[inline(always)]
-pub(crate) fn between(values: [i32; 8], low: i32, high: i32) -> u8 {
-    (0..8).fold(0, |set, d| set | u8::from(values[d] > low && values[d] <= high) << d)
+pub(crate) fn children(parents: &[u8], v: usize, stride: usize) -> u8 {
+    const BACK: u64 = 0x0302_0100_0706_0504;
+    const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
+    let four = |start: usize| {
+        u32::from_le_bytes(*parents[start..].first_chunk().expect("the frame surrounds a pixel"))
+    };
+    let (north, south) = (four(v - stride - 1) & 0xff_ffff, four(v + stride - 1).swap_bytes() >> 8);
+    let (east, west) = (u32::from(parents[v + 1]), u32::from(parents[v - 1]));
+    let around = u64::from(north | east << 24) | u64::from(south | west << 24) << 32;
+    // No byte reaches 128: adding 127 sets the top bit of all but the zeros.
+    let differs = (around ^ BACK) + LOW;
+    ((!differs >> 7 & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
 }

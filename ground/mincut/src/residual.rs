@@ -99,15 +99,25 @@ impl<C: Capacity> Residual<C> {
     #[inline(always)]
     pub(crate) fn push(&mut self, v: usize, d: usize, amount: i32) -> bool {
         let (w, back) = (self.neighbour(v, d), opposite(d & 7));
-        let from = &mut self.records[v];
-        let left = from[d & 7].get() - amount;
-        from[d & 7] = C::of(left);
-        let closed = i32::from(left == 0);
-        from[ARCS] = C::of((from[ARCS].get() | 1 << (d & 7)) & !(closed << 8 << (d & 7)));
-        let to = &mut self.records[w];
-        to[back] = C::of(to[back].get() + amount);
-        to[ARCS] = C::of((to[ARCS].get() | 1 << 8 << back) & !(closed << back));
+        let from = &mut self.records[v][d & 7];
+        let left = from.get() - amount;
+        *from = C::of(left);
+        let to = &mut self.records[w][back];
+        let before = to.get();
+        *to = C::of(before + amount);
+        if left == 0 || before == 0 {
+            self.mark(v, d & 7, w, left == 0);
+        }
         left == 0
+    }
+
+    /// Notes that the arc `d` from `v` to `w` is closed or not and the one back is open.
+    fn mark(&mut self, v: usize, d: usize, w: usize, closed: bool) {
+        let (back, closed) = (opposite(d), i32::from(closed));
+        let from = &mut self.records[v][ARCS];
+        *from = C::of((from.get() | 1 << d) & !(closed << 8 << d));
+        let to = &mut self.records[w][ARCS];
+        *to = C::of((to.get() | 1 << 8 << back) & !(closed << back));
     }
 }
 

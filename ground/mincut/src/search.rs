@@ -19,7 +19,7 @@
 //! is always rooted: no walk to the root is needed. Growth adds [`GAP`] to the label, so that an
 //! orphan may move up by one and still keep its children.
 
-use crate::around::{around, between, lowest, opposite, zero};
+use crate::around::{around, children, lowest, opposite, zero};
 use crate::capacity::Capacity;
 use crate::residual::Residual;
 
@@ -87,8 +87,23 @@ pub(crate) struct Search<C> {
     trees: [Tree; 2],
 }
 
-const WHITE: usize = 0;
-const BLACK: usize = 1;
+pub(crate) trait Side {
+    const WHITE: bool;
+    const INDEX: usize;
+    type Other: Side;
+}
+pub(crate) struct White;
+pub(crate) struct Black;
+impl Side for White {
+    const WHITE: bool = true;
+    const INDEX: usize = 0;
+    type Other = Black;
+}
+impl Side for Black {
+    const WHITE: bool = false;
+    const INDEX: usize = 1;
+    type Other = White;
+}
 
 impl<C: Capacity> Search<C> {
     pub(crate) fn new(graph: Residual<C>) -> Self {
@@ -113,12 +128,12 @@ impl<C: Capacity> Search<C> {
     /// None when labels overflow
     pub(crate) fn run(&mut self) -> Option<()> {
         let waits = |tree: &Tree| tree.active.iter().any(|level| !level.is_empty());
-        self.grow_roots::<WHITE>();
-        self.grow_roots::<BLACK>();
-        while waits(&self.trees[WHITE]) {
-            self.grow_level::<WHITE>()?;
-            if waits(&self.trees[BLACK]) {
-                self.grow_level::<BLACK>()?;
+        self.grow_roots::<White>();
+        self.grow_roots::<Black>();
+        while waits(&self.trees[White::INDEX]) {
+            self.grow_level::<White>()?;
+            if waits(&self.trees[Black::INDEX]) {
+                self.grow_level::<Black>()?;
             }
         }
         Some(())
@@ -126,33 +141,33 @@ impl<C: Capacity> Search<C> {
 
     /// The distance of `v` in the tree, zero or less outside.
     #[inline(always)]
-    fn distance<const TREE: usize>(&self, v: usize) -> i32 {
+    fn distance<T: Side>(&self, v: usize) -> i32 {
         let label = self.label[v].get();
-        if TREE == WHITE { label } else { -label }
+        if T::WHITE { label } else { -label }
     }
 
     #[inline(always)]
-    fn set_distance<const TREE: usize>(&mut self, v: usize, distance: i32) {
-        self.label[v] = C::of(if TREE == WHITE { distance } else { -distance });
+    fn set_distance<T: Side>(&mut self, v: usize, distance: i32) {
+        self.label[v] = C::of(if T::WHITE { distance } else { -distance });
     }
 
     #[inline(always)]
-    fn distances<const TREE: usize>(&self, v: usize) -> [i32; 8] {
+    fn distances<T: Side>(&self, v: usize) -> [i32; 8] {
         let labels = around(&self.label, v, self.graph.stride());
-        if TREE == WHITE { labels } else { labels.map(|l| -l) }
+        if T::WHITE { labels } else { labels.map(|l| -l) }
     }
 
-    fn grow_roots<const TREE: usize>(&mut self) {
-        self.trees[TREE].grown = 1;
+    fn grow_roots<T: Side>(&mut self) {
+        self.trees[T::INDEX].grown = 1;
         for v in 0..self.label.len() {
-            if self.distance::<TREE>(v) == 1 {
-                self.grow::<TREE>(v, 1);
+            if self.distance::<T>(v) == 1 {
+                self.grow::<T>(v, 1);
             }
         }
     }
 
-    fn grow_level<const TREE: usize>(&mut self) -> Option<()> {
-        let tree = &mut self.trees[TREE];
+    fn grow_level<T: Side>(&mut self) -> Option<()> {
+        let tree = &mut self.trees[T::INDEX];
         tree.grown += 1;
         let (level, slot) = (tree.grown, tree.grown as usize % GAP as usize);
         if level + GAP + 1 >= C::MAX {
@@ -161,68 +176,73 @@ impl<C: Capacity> Search<C> {
         let spare = std::mem::take(&mut tree.spare);
         let mut active = std::mem::replace(&mut tree.active[slot], spare);
         for &v in &active {
-            if self.distance::<TREE>(v as usize) == level {
-                self.grow::<TREE>(v as usize, level);
+            if self.distance::<T>(v as usize) == level {
+                self.grow::<T>(v as usize, level);
             }
         }
         active.clear();
-        self.trees[TREE].spare = active;
+        self.trees[T::INDEX].spare = active;
         Some(())
     }
 
     /// Saturates every path from `v` to the other tree, then takes the free neighbours.
     #[inline(always)]
-    fn grow<const TREE: usize>(&mut self, v: usize, level: i32) {
-        loop {
-            let open = if TREE == WHITE { self.graph.outgoing(v) } else { self.graph.incoming(v) };
+    fn grow<T: Side>(&mut self, v: usize, level: i32) {
+        while self.distance::<T>(v) == level {
+            let (open, around) = (self.open::<T>(v), self.distances::<T>(v));
             if open == 0 {
                 return;
             }
-            let around = self.distances::<TREE>(v);
-            let others = around.map(|l| -l);
-            let Some((_, d)) = lowest(others, open) else {
-                return self.take::<TREE>(v, level, open & zero(around));
-            };
-            let (white, d) =
-                if TREE == WHITE { (v, d) } else { (self.graph.neighbour(v, d), opposite(d)) };
-            self.augment(white, d);
-            self.adopt::<WHITE>();
-            self.adopt::<BLACK>();
-            if self.distance::<TREE>(v) != level {
-                return;
+            match lowest(around.map(|l| -l), open) {
+                Some((_, d)) => self.connect::<T>(v, d),
+                None => return self.take::<T>(v, level, open & zero(around)),
             }
         }
     }
 
+    /// The directions of the arcs over which the tree grows from `v`.
     #[inline(always)]
-    fn take<const TREE: usize>(&mut self, v: usize, level: i32, mut free: u8) {
+    fn open<T: Side>(&self, v: usize) -> u8 {
+        if T::WHITE { self.graph.outgoing(v) } else { self.graph.incoming(v) }
+    }
+
+    fn connect<T: Side>(&mut self, v: usize, d: usize) {
+        let room = self.climb::<T>(v);
+        let mut sent = 0;
+        let mut contact = Some((0, d));
+        while let Some((_, d)) = contact
+            && sent < room
+        {
+            let w = self.graph.neighbour(v, d);
+            let (tail, e) = if T::WHITE { (v, d) } else { (w, opposite(d)) };
+            let amount =
+                self.climb::<T::Other>(w).min(self.graph.capacity(tail, e)).min(room - sent);
+            self.graph.push(tail, e, amount);
+            self.drain::<T::Other>(amount);
+            self.adopt::<T::Other>();
+            sent += amount;
+            contact = lowest(self.distances::<T>(v).map(|l| -l), self.open::<T>(v));
+        }
+        self.drain::<T>(sent);
+        self.adopt::<T>();
+    }
+
+    #[inline(always)]
+    fn take<T: Side>(&mut self, v: usize, level: i32, mut free: u8) {
         while free != 0 {
             let d = free.trailing_zeros() as usize;
             free &= free - 1;
             let w = self.graph.neighbour(v, d);
-            self.set_distance::<TREE>(w, level + GAP);
+            self.set_distance::<T>(w, level + GAP);
             self.parent[w] = opposite(d) as u8;
-            self.trees[TREE].active[level as usize % GAP as usize].push(w as u32);
+            self.trees[T::INDEX].active[level as usize % GAP as usize].push(w as u32);
         }
-    }
-
-    /// Saturates the path from the white root over the arc `d` of `white` to the black root.
-    fn augment(&mut self, white: usize, d: usize) {
-        let black = self.graph.neighbour(white, d);
-        let amount = self
-            .graph
-            .capacity(white, d)
-            .min(self.slack::<WHITE>(white))
-            .min(self.slack::<BLACK>(black));
-        self.graph.push(white, d, amount);
-        self.drain::<WHITE>(amount);
-        self.drain::<BLACK>(amount);
     }
 
     /// The least capacity from `v` to its root.
     #[inline(always)]
-    fn slack<const TREE: usize>(&mut self, mut v: usize) -> i32 {
-        let mut path = std::mem::take(&mut self.trees[TREE].path);
+    fn climb<T: Side>(&mut self, mut v: usize) -> i32 {
+        let mut path = std::mem::take(&mut self.trees[T::INDEX].path);
         path.clear();
         let mut least = i32::MAX;
         loop {
@@ -233,59 +253,59 @@ impl<C: Capacity> Search<C> {
             }
             let d = usize::from(d);
             let u = self.graph.neighbour(v, d);
-            least = least.min(if TREE == WHITE {
+            least = least.min(if T::WHITE {
                 self.graph.capacity(u, opposite(d))
             } else {
                 self.graph.capacity(v, d)
             });
             v = u;
         }
-        self.trees[TREE].path = path;
+        self.trees[T::INDEX].path = path;
         least.min(self.graph.excess(v).abs())
     }
 
     /// Pushes `amount` between `v` and its root; whoever hangs from a saturated arc is an orphan.
     #[inline(always)]
-    fn drain<const TREE: usize>(&mut self, amount: i32) {
-        let path = std::mem::take(&mut self.trees[TREE].path);
+    fn drain<T: Side>(&mut self, amount: i32) {
+        let path = std::mem::take(&mut self.trees[T::INDEX].path);
         let (&root, steps) = path.split_last().expect("a path ends at its root");
         for &step in steps {
             let (v, d) = ((step >> 3) as usize, (step & 7) as usize);
-            let closed = if TREE == WHITE {
+            let closed = if T::WHITE {
                 self.graph.push(self.graph.neighbour(v, d), opposite(d), amount)
             } else {
                 self.graph.push(v, d, amount)
             };
             if closed {
-                self.orphan::<TREE>(v);
+                self.orphan::<T>(v);
             }
         }
         let root = (root >> 3) as usize;
         if self.graph.drain(root, amount) {
-            self.orphan::<TREE>(root);
+            self.orphan::<T>(root);
         }
-        self.trees[TREE].path = path;
+        self.trees[T::INDEX].path = path;
     }
 
     #[inline(always)]
-    fn orphan<const TREE: usize>(&mut self, v: usize) {
+    fn orphan<T: Side>(&mut self, v: usize) {
         self.parent[v] = NONE;
-        let distance = self.distance::<TREE>(v) as usize;
-        self.trees[TREE].orphans.push(v, distance);
+        let distance = self.distance::<T>(v) as usize;
+        self.trees[T::INDEX].orphans.push(v, distance);
     }
 
-    fn adopt<const TREE: usize>(&mut self) {
-        while let Some(v) = self.trees[TREE].orphans.pop() {
-            self.settle::<TREE>(v);
+    fn adopt<T: Side>(&mut self) {
+        while let Some(v) = self.trees[T::INDEX].orphans.pop() {
+            self.settle::<T>(v);
         }
     }
 
     /// Finds orphan `v` a new parent or sets it free.
     #[inline(always)]
-    fn settle<const TREE: usize>(&mut self, v: usize) {
-        let (old, grown) = (self.distance::<TREE>(v), self.trees[TREE].grown);
-        let open = if TREE == WHITE { self.graph.incoming(v) } else { self.graph.outgoing(v) };
-        let around = self.distances::<TREE>(v);
+    fn settle<T: Side>(&mut self, v: usize) {
+        let (old, grown) = (self.distance::<T>(v), self.trees[T::INDEX].grown);
+        let open = if T::WHITE { self.graph.incoming(v) } else { self.graph.outgoing(v) };
+        let around = self.distances::<T>(v);
         let (lowest, d) = lowest(around, open).unwrap_or((i32::MAX, 0));
         if lowest < old {
             self.parent[v] = d as u8;
@@ -293,19 +313,19 @@ impl<C: Capacity> Search<C> {
         }
         let free = lowest > grown;
         let distance = if free { 0 } else { lowest + 1 };
-        self.set_distance::<TREE>(v, distance);
+        self.set_distance::<T>(v, distance);
         self.parent[v] = if free { NONE } else { d as u8 };
-        let mut kin = between(around, old, if free { i32::MAX } else { distance });
+        let mut kin = children(&self.parent, v, self.graph.stride());
         while kin != 0 {
             let d = kin.trailing_zeros() as usize;
             kin &= kin - 1;
             let w = self.graph.neighbour(v, d);
-            if usize::from(self.parent[w]) == opposite(d) {
-                self.orphan::<TREE>(w);
+            if free || self.distance::<T>(w) <= distance {
+                self.orphan::<T>(w);
             }
         }
         if distance > grown {
-            self.trees[TREE].active[distance as usize % GAP as usize].push(v as u32);
+            self.trees[T::INDEX].active[distance as usize % GAP as usize].push(v as u32);
         }
     }
 }
