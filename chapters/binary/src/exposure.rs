@@ -28,6 +28,9 @@ impl Default for Exposure {
     }
 }
 
+/// Tones nearer than this are not stretched apart, nor local contrast below its share.
+const LEAST_RANGE: f32 = 0.15;
+
 /// Under this share of light that gets through, shadows only darken a closed room.
 pub const LEAST_REACH: f32 = 0.15;
 
@@ -64,9 +67,11 @@ impl Exposure {
         let (low, high) = (at(&tone, knobs.low), at(&tone, knobs.high));
         let (Some(low), Some(high)) = (low, high) else { return Self::default() };
         let mut exposure = Self { low, high, shadows, ..Self::default() };
-        if high - low < 1e-4 {
-            // One flat tone: nothing to stretch.
-            (exposure.low, exposure.high) = (0.0, 1.0);
+        if high - low < LEAST_RANGE {
+            // One flat tone: stretching it would show its noise.
+            let middle = 0.5 * (low + high);
+            (exposure.low, exposure.high) =
+                (middle - 0.5 * LEAST_RANGE, middle + 0.5 * LEAST_RANGE);
         }
         let stretched = tone.map(|&t| exposure.stretch(t));
         let (least, most) = (at(&stretched, 35.0), at(&stretched, 60.0));
@@ -102,7 +107,7 @@ fn contrast(samples: &[Sample], exposure: &Exposure, knobs: &BinaryKnobs) -> f32
             count += 1;
         }
     }
-    ((sum / count.max(1) as f64).sqrt() as f32).max(1e-4)
+    ((sum / count.max(1) as f64).sqrt() as f32).max(0.3 * LEAST_RANGE)
 }
 
 /// A' (3.4): the difference to the normalised Gaussian average (3.3), with h stated at 480 pixels.

@@ -2,9 +2,10 @@
 //!
 //! An object is seen from three quarters: azimuth 30, elevation 15 degrees, in a picture 28
 //! degrees high that its box fills. A scene is a room when, at some point of a coarse grid inside
-//! its box, at least 95 % of evenly spread rays meet the front of a face and their median length
-//! is over 2 % of the diagonal; then the camera stands inside, at 45 % of the room's height, where
-//! the median length is greatest, and looks level along the deepest quarter.
+//! its box, at least 95 % of evenly spread rays meet the front of a face, and their median length
+//! is over 2 % of the diagonal and half a unit (a metre in glTF: helmets and cannons are hollow
+//! too), or over 12 % of the diagonal; then the camera stands inside, at 45 % of the room's height,
+//! where the median length is greatest, and looks level along the deepest quarter.
 
 use crate::tracer::{Ray, Sides, Tracer};
 use chiaro_basis::math::{Quat, Vec3};
@@ -112,7 +113,8 @@ fn stand_in_room(tracer: &Tracer, bounds: &Bounds) -> Option<Stand> {
     let eyes: Vec<Option<(f32, Vec3)>> = grid(bounds)
         .into_par_iter()
         .map(|p| {
-            median_length(tracer, p).filter(|m| *m > 0.02 * diagonal)?;
+            let is_roomy = |m: &f32| *m > 0.12 * diagonal || (*m > 0.02 * diagonal && *m > 0.5);
+            median_length(tracer, p).filter(is_roomy)?;
             let eye = eye_over(tracer, p);
             Some((median_length(tracer, eye)?, eye))
         })

@@ -178,6 +178,9 @@ impl<'a> Shot<'a> {
                 "animation": format!("{:?}", o.animation), "shot": project.shot(),
             }),
         );
+        if let Some([from, look_at]) = self.camera.numbers() {
+            put("view", json!({ "from": from.to_array(), "look_at": look_at.to_array() }));
+        }
         put("sun", json!(o.sun));
         s
     }
