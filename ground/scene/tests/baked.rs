@@ -20,7 +20,7 @@ const CORNERS: &[Corner] = &[
     ("anim/RiggedFigure/RiggedFigure.gltf", 0.3, "", 284, [0.329684, 0.561617, 0.184782]),
     ("anim/RiggedFigure/RiggedFigure.gltf", 1.234, "", 284, [0.570060, 0.755952, 0.149216]),
     ("anim/robot.glb", 0.3, "Head", 107, [-0.0865083, 4.44544, 0.740416]),
-    ("anim/robot.glb", 0.3, "Torso", 1052, [1.59011e-10, 2.87821, 0.419990]),
+    ("anim/robot.glb", 0.3, "Torso", 1052, [0.0, 2.87821, 0.419990]),
     ("anim/robot.glb", 0.3, "Hand.R", 571, [-1.09846, 0.0639754, 0.624851]),
     ("anim/robot.glb", 1.234, "Hand.L", 416, [1.07460, 0.698817, -0.551605]),
     ("anim/robot.glb", 1.234, "Hand.R", 422, [-0.991948, 0.648709, -0.0693149]),
