@@ -159,6 +159,25 @@ mod tests {
     }
 
     #[test]
+    fn clips_that_fight_through_others_are_one_group() {
+        use Property::{Rotation, Scale, Translation};
+        let mut scene = scene(&[
+            ("stand", 7, Scale),
+            ("low", 0, Rotation),
+            ("high", 1, Translation),
+            ("both", 0, Rotation),
+        ]);
+        let high = scene.clips[2].channels[0].clone();
+        scene.clips[3].channels.push(high);
+        let (playback, notes) = scene.playback(&Choice::Auto).unwrap();
+        assert_eq!(playback.clips, [0, 1]);
+        assert_eq!(notes.len(), 1);
+        assert!(notes[0].contains("low plays; high, both"), "{}", notes[0]);
+        let (playback, notes) = scene.playback(&Choice::All).unwrap();
+        assert_eq!((playback.clips, notes), (vec![0, 1, 2, 3], Vec::new()));
+    }
+
+    #[test]
     fn an_unknown_clip_is_answered_with_the_nearest() {
         let scene = scene(&[("walk", 0, Property::Scale)]);
         let error = scene.playback(&Choice::One("wolk".into())).unwrap_err().to_string();
