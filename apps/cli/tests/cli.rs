@@ -1,4 +1,5 @@
 //! The program as a user meets it: what it writes, what it says, how it ends.
+#![allow(clippy::unwrap_used, reason = "a test may panic, also in its own functions")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -60,12 +61,32 @@ fn the_record_has_its_keys() {
     let args = ["binary", "cube.obj", "-o", "a.pbm", "--size", "96x96", "--json", "-", "-q"];
     let output = chiaro(dir.path(), &args);
     let record: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    for key in ["command", "version", "settings", "seed", "threads", "outputs", "stages", "peak_bytes", "warnings", "counts"] {
+    for key in [
+        "command",
+        "version",
+        "settings",
+        "seed",
+        "threads",
+        "outputs",
+        "stages",
+        "peak_bytes",
+        "warnings",
+        "counts",
+    ] {
         assert!(!record[key].is_null(), "{key}");
     }
     for key in [
-        "pixels", "nodes", "flow", "cut", "white_fraction", "components", "islands_under_30px",
-        "island_energy", "boundary_px", "feature_share", "feature_share_by_chance",
+        "pixels",
+        "nodes",
+        "flow",
+        "cut",
+        "white_fraction",
+        "components",
+        "islands_under_30px",
+        "island_energy",
+        "boundary_px",
+        "feature_share",
+        "feature_share_by_chance",
     ] {
         assert!(record["counts"][key].is_number(), "{key}");
     }
@@ -89,8 +110,16 @@ fn a_film_resumes_with_what_is_missing_or_damaged() {
     let dir = folder();
     let film = |extra: &[&str]| {
         let mut args = vec![
-            "binary", "cube.obj", "-o", "film/####.png", "--turntable", "--size", "64x48",
-            "--shot", "1-4", "-q",
+            "binary",
+            "cube.obj",
+            "-o",
+            "film/####.png",
+            "--turntable",
+            "--size",
+            "64x48",
+            "--shot",
+            "1-4",
+            "-q",
         ];
         args.extend(extra);
         let output = chiaro(dir.path(), &args);
@@ -159,7 +188,8 @@ fn what_cannot_be_done_is_one_sentence_and_nothing_is_written() {
         assert_eq!(said.trim_end().lines().count(), 1, "{args:?}: {said}");
         assert_eq!(files(dir.path()), before, "{args:?}");
     }
-    let output = chiaro(dir.path(), &["binary", "cube.obj", "-o", "folder.png", "-q", "--size", "8x8"]);
+    let output =
+        chiaro(dir.path(), &["binary", "cube.obj", "-o", "folder.png", "-q", "--size", "8x8"]);
     // A folder takes frames of its own.
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(dir.path().join("folder.png/0001.png").is_file());

@@ -76,8 +76,7 @@ impl<C: Capacity> Planes<C> {
         let pixels = y * width..(y + 1) * width;
         let (terminal, neighbour) = (&grid.terminal[pixels.clone()], &grid.neighbour[pixels]);
         let row = split(self.row_values(y), width);
-        let least = read_capacities(neighbour, nodes, row.capacity)?;
-        let _ = least;
+        read_capacities(neighbour, nodes, row.capacity)?;
         let mut sums = [0, 0];
         for (x, (excess, &[white, black])) in row.excess.iter_mut().zip(terminal).enumerate() {
             if nodes[0][x + 1] == C::default() {

@@ -7,7 +7,7 @@
 
 use crate::mip::Mips;
 use crate::tracer::{Hit, Tracer};
-use chiaro_basis::math::{Mat3, Vec2, Vec3, Vec4};
+use chiaro_basis::math::{Affine3A, Mat3, Vec2, Vec3, Vec4};
 use chiaro_scene::{Material, MaterialId, Mesh, Scene, TextureUse};
 
 /// What is where a ray hit.
@@ -88,10 +88,13 @@ impl<'a> Corners<'a> {
         let vertices = mesh.triangles[hit.face as usize].map(|v| v as usize);
         let m = &object.world_from_shape;
         let for_normals = object.normal_from_shape();
+        // Shapes in world space have their mirroring in the sign already.
+        let mirrors = object.mirrored && *m != Affine3A::IDENTITY;
+        let sign = if mirrors { -1.0 } else { 1.0 };
         let tangents = (!shape.tangents.is_empty()).then(|| {
             vertices.map(|v| {
                 let t = shape.tangents[v];
-                m.transform_vector3(t.truncate()).extend(t.w)
+                m.transform_vector3(t.truncate()).extend(t.w * sign)
             })
         });
         Self {
