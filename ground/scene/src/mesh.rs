@@ -78,3 +78,30 @@ impl std::fmt::Debug for Remake {
         f.write_str("Remake")
     }
 }
+
+impl Mesh {
+    /// Makes the vertices those with the indices in `take`, with all their attributes, normals of
+    /// the file included; triangles stay as they are.
+    pub(crate) fn pick(&mut self, take: &[u32]) {
+        pick(&mut self.positions, take);
+        pick(&mut self.tangents, take);
+        pick(&mut self.colours, take);
+        self.uvs.iter_mut().for_each(|uv| pick(uv, take));
+        self.influences.joints.iter_mut().for_each(|j| pick(j, take));
+        self.influences.weights.iter_mut().for_each(|w| pick(w, take));
+        for morph in &mut self.morphs {
+            pick(&mut morph.positions, take);
+            pick(&mut morph.normals, take);
+            pick(&mut morph.tangents, take);
+        }
+        if let NormalSource::Given(normals) = &mut self.normals {
+            pick(normals, take);
+        }
+    }
+}
+
+fn pick<T: Copy>(values: &mut Vec<T>, take: &[u32]) {
+    if !values.is_empty() {
+        *values = take.iter().map(|&i| values[i as usize]).collect();
+    }
+}

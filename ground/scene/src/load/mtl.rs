@@ -1,209 +1,292 @@
 //! OBJ's material libraries.
 //!
-//! Colours are taken as displayed (sRGB-encoded), as the programs that write them show them.
-//! Shininess becomes roughness by sqrt(2 / (Ns + 2)), the width of the lobe.
+//! 1. [`entry`]: the statements of one material, and what they mean as a [`Material`].
+//! 2. [`map`]: map statements with their options.
+//! 3. [`relief`]: heights to normals, for bump maps that hold heights.
+//!
+//! The format does not say how colours are encoded. Here they are sRGB-encoded, as the programs that
+//! show them take them, but linear in files by Blender, which writes them so. Emission is linear
+//! radiance. Pictures that are missing leave a warning and middle grey.
 
-use super::Door;
-use super::picture;
-use crate::{Alpha, Material, MaterialId, Scene, Stored, Texture, TextureId, TextureUse};
-use chiaro_basis::Result;
+mod entry;
+mod map;
+mod relief;
+
+use super::obj::{Lines, without_comment};
+use super::text::text;
+use super::{Door, picture};
+use crate::{Alpha, Material, MaterialId, Scene, Texture, TextureId, TextureUse, Wrap};
+use chiaro_basis::{Error, Result};
+use chiaro_image::Plane;
 use chiaro_image::colour::srgb_decode;
+use entry::Entry;
+use map::Map;
+use std::collections::{HashMap, HashSet};
 
-/// The materials of all libraries so far; the first is the default.
+/// The materials of all libraries so far, by name.
+#[derive(Default)]
 pub(super) struct Library {
-    materials: Vec<Material>,
-    textures: Vec<Texture>,
-    missing: Vec<String>,
-    warnings: Vec<String>,
+    /// Holds materials (without the default, which comes before them), textures, what is missing.
+    scene: Scene,
+    names: HashMap<String, usize>,
+    /// Whether each material is in some library.
+    defined: Vec<bool>,
+    /// Libraries that were asked for.
+    asked: HashSet<String>,
+    /// Whether one of them was not there.
+    lacks_library: bool,
+    /// Pictures by folder and name; none for those that are missing.
+    pictures: HashMap<String, Option<Texture>>,
+    /// Textures made of them, by what they are made of.
+    textures: HashMap<String, TextureId>,
 }
 
-/// An sRGB-encoded colour as linear light.
+/// What a texture is made of a picture for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    /// Colours; without the picture, middle grey.
+    Colour,
+    /// Emission; nothing without the picture.
+    Glow,
+    /// Normals, or heights that become normals; nothing without the picture.
+    Relief,
+}
+
+/// A colour as displayed, sRGB-encoded, as linear light.
 pub(super) fn linear(c: [f32; 3]) -> [f32; 3] {
     c.map(|c| srgb_decode(if c.is_finite() { c.clamp(0.0, 1.0) } else { 0.0 }))
 }
 
 impl Library {
-    pub(super) fn new() -> Self {
-        let grey =
-            Material { base_colour: [0.6, 0.6, 0.6, 1.0], roughness: 0.6, ..Material::default() };
-        Self {
-            materials: vec![grey],
-            textures: Vec::new(),
-            missing: Vec::new(),
-            warnings: Vec::new(),
-        }
-    }
-
     /// The material of that name; one not known yet is made, so that parts stay apart.
     pub(super) fn find(&mut self, name: &str) -> MaterialId {
-        let known = self.materials.iter().skip(1).position(|m| m.name == name);
-        MaterialId::new(known.map_or_else(
-            || {
-                self.materials.push(Material { name: name.into(), ..self.materials[0].clone() });
-                self.materials.len() - 1
-            },
-            |i| i + 1,
-        ))
+        let next = self.names.len();
+        let index = *self.names.entry(name.to_owned()).or_insert(next);
+        if index == next {
+            self.scene.materials.push(Material { name: name.into(), ..picture::plain() });
+            self.defined.push(false);
+        }
+        // The default comes before them.
+        MaterialId::new(index + 1)
     }
 
-    /// Loads the libraries of a `mtllib` line: one name with spaces, or several names.
+    /// Loads the libraries of a `mtllib` statement: one name with spaces, or several names.
     pub(super) fn load(&mut self, names: &str, door: &mut Door) -> Result<()> {
-        match door.open(names) {
-            Ok(bytes) => return self.read(&bytes, door),
-            Err(e @ chiaro_basis::Error::Limit { .. }) => return Err(e),
-            Err(_) => {}
+        if !self.asked.insert(names.to_owned()) {
+            return Ok(());
         }
-        for name in names.split_whitespace() {
-            match door.open(name) {
-                Ok(bytes) => self.read(&bytes, door)?,
-                Err(e @ chiaro_basis::Error::Limit { .. }) => return Err(e),
-                Err(_) => self.is_missing(name, "grey stands in for its materials"),
-            }
+        if let Some(bytes) = optional(picture::open_named(names, "", door))? {
+            return self.read(&bytes, names, door);
         }
-        Ok(())
-    }
-
-    fn is_missing(&mut self, name: &str, instead: &str) {
-        if !self.missing.iter().any(|m| m == name) {
-            self.missing.push(name.into());
-            self.warnings.push(format!("{name}: not found beside the scene; {instead}"));
-        }
-    }
-
-    fn read(&mut self, bytes: &[u8], door: &mut Door) -> Result<()> {
-        let text = String::from_utf8_lossy(bytes);
-        let mut current = 0;
-        for line in text.lines() {
-            let line = line.split('#').next().unwrap_or_default().trim();
-            let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-            let rest = rest.trim();
-            if key.eq_ignore_ascii_case("newmtl") {
-                current = self.find(rest).index();
-                let name = self.materials[current].name.clone();
-                self.materials[current] = Material { name, roughness: 0.6, ..Material::default() };
-            } else if current > 0 {
-                self.property(current, &key.to_ascii_lowercase(), rest, door)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn property(&mut self, i: usize, key: &str, rest: &str, door: &mut Door) -> Result<()> {
-        let mut n = [f32::NAN; 3];
-        for (slot, word) in n.iter_mut().zip(rest.split_whitespace()) {
-            *slot = word.parse().unwrap_or(f32::NAN);
-        }
-        // One number is a grey.
-        let rgb = if n[1].is_nan() { [n[0]; 3] } else { n };
-        let used = match key {
-            "map_kd" | "map_ke" | "map_bump" | "bump" | "norm" => self.texture(rest, door)?,
-            _ => None,
-        };
-        let m = &mut self.materials[i];
-        match key {
-            "kd" if n[0].is_finite() => {
-                let [r, g, b] = linear(rgb);
-                m.base_colour = [r, g, b, m.base_colour[3]];
-            }
-            "ke" if n[0].is_finite() => m.emissive = rgb.map(|c| c.max(0.0)),
-            "ns" if n[0] >= 0.0 => m.roughness = (2.0 / (n[0] + 2.0)).powf(0.25).clamp(0.05, 1.0),
-            "pr" if n[0].is_finite() => m.roughness = n[0].clamp(0.0, 1.0),
-            "pm" if n[0].is_finite() => m.metallic = n[0].clamp(0.0, 1.0),
-            "d" if n[0].is_finite() => set_opacity(m, n[0]),
-            "tr" if n[0].is_finite() => set_opacity(m, 1.0 - n[0]),
-            "map_kd" => {
-                m.base_texture = used.map(TextureUse::plain);
-                // A black Kd beside a map is an exporter's slip in many files.
-                if used.is_some() && m.base_colour[..3] == [0.0; 3] {
-                    m.base_colour = [1.0, 1.0, 1.0, m.base_colour[3]];
+        for name in split_names(names) {
+            match picture::open_named(&name, "", door) {
+                Ok(bytes) => self.read(&bytes, &name, door)?,
+                Err(error @ Error::Input { .. }) => {
+                    self.lacks_library = true;
+                    let instead = "grey stands in for its materials";
+                    picture::is_missing(&mut self.scene, &name, &error, instead);
                 }
+                Err(error) => return Err(error),
             }
-            "map_ke" => m.emissive_texture = used.map(TextureUse::plain),
-            "norm" => m.normal_texture = used.map(TextureUse::plain),
-            // A height map bends no normals here; a normal map under this key is blue.
-            "map_bump" | "bump" => {
-                let is_normal_map =
-                    |t: TextureId| picture::is_normal_map(&self.textures[t.index()]);
-                m.normal_texture = used.filter(|t| is_normal_map(*t)).map(TextureUse::plain);
-            }
-            _ => {}
         }
         Ok(())
     }
 
-    /// The texture of a map line, options skipped; `None` with a warning when it is missing.
-    fn texture(&mut self, line: &str, door: &mut Door) -> Result<Option<TextureId>> {
-        let name = file_name(line).replace('\\', "/");
-        if let Some(i) = self.textures.iter().position(|t| t.name == name) {
-            return Ok(Some(TextureId::new(i)));
-        }
-        match picture::open(&name, door)? {
-            Some(texture) => {
-                self.textures.push(texture);
-                Ok(Some(TextureId::new(self.textures.len() - 1)))
+    fn read(&mut self, bytes: &[u8], path: &str, door: &mut Door) -> Result<()> {
+        let path = path.replace('\\', "/");
+        let folder =
+            path.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"));
+        let mut entry = Entry::default();
+        let mut current = None;
+        let mut is_linear = false;
+        for (_, line) in Lines::new(bytes) {
+            is_linear |= line.starts_with(b"# Blender");
+            let line = without_comment(&line);
+            let key = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+            let rest = text(&line[key.len()..]);
+            if key.eq_ignore_ascii_case(b"newmtl") {
+                self.define(current, std::mem::take(&mut entry), &folder, door)?;
+                current = Some(self.find(&rest));
+                entry.is_linear = is_linear;
+            } else {
+                entry.statement(&text(key).to_ascii_lowercase(), &rest);
             }
-            None => {
-                self.is_missing(&name, "the plain colour stands in");
-                Ok(None)
-            }
         }
+        self.define(current, entry, &folder, door)
     }
 
-    /// A scene with these materials and nothing else.
-    pub(super) fn scene(&mut self) -> Scene {
-        let stored = Stored {
-            materials: self.materials.len() as u64 - 1,
-            textures: self.textures.len() as u64,
-            missing_files: std::mem::take(&mut self.missing),
-            ..Stored::default()
+    /// Gives a material its meaning.
+    fn define(
+        &mut self,
+        id: Option<MaterialId>,
+        entry: Entry,
+        folder: &str,
+        door: &mut Door,
+    ) -> Result<()> {
+        let Some(index) = id.map(|id| id.index() - 1) else { return Ok(()) };
+        let mut material = entry.material();
+        material.name = std::mem::take(&mut self.scene.materials[index].name);
+        if let Some(map) = &entry.colour_map {
+            let mask = entry.opacity_map.as_ref();
+            material.base_texture = self.texture(map, mask, Role::Colour, folder, door)?;
+            if mask.is_some() {
+                material.alpha = Alpha::Mask(0.5);
+            }
+        }
+        if let Some(map) = &entry.glow_map {
+            material.emissive_texture = self.texture(map, None, Role::Glow, folder, door)?;
+            if material.emissive_texture.is_some() && material.emissive == [0.0; 3] {
+                material.emissive = [1.0; 3];
+            }
+        }
+        if let Some(map) = &entry.relief_map {
+            material.normal_texture = self.texture(map, None, Role::Relief, folder, door)?;
+            material.normal_scale = map.strength;
+        }
+        self.scene.materials[index] = material;
+        self.defined[index] = true;
+        Ok(())
+    }
+
+    /// The texture of a map, made once for each way to use the picture.
+    fn texture(
+        &mut self,
+        map: &Map,
+        mask: Option<&Map>,
+        role: Role,
+        folder: &str,
+        door: &mut Door,
+    ) -> Result<Option<TextureUse>> {
+        let mask_name = mask.map_or("", |m| m.name.as_str());
+        let key = format!("{folder}\0{}\0{mask_name}\0{}\0{role:?}", map.name, map.clamped);
+        let texture = match self.textures.get(&key) {
+            Some(texture) => Some(*texture),
+            None => self.make(map, mask, role, folder, door)?.map(|texture| {
+                self.scene.textures.push(texture);
+                let id = TextureId::new(self.scene.textures.len() - 1);
+                self.textures.insert(key, id);
+                id
+            }),
         };
-        Scene {
-            materials: std::mem::take(&mut self.materials),
-            textures: std::mem::take(&mut self.textures),
-            warnings: std::mem::take(&mut self.warnings),
-            stored,
-            ..Scene::default()
-        }
+        Ok(texture.map(|texture| TextureUse { matrix: map.matrix(), ..TextureUse::plain(texture) }))
     }
-}
 
-fn set_opacity(m: &mut Material, opacity: f32) {
-    m.base_colour[3] = opacity.clamp(0.0, 1.0);
-    if opacity < 1.0 {
-        m.alpha = Alpha::Blend;
-    }
-}
-
-/// The file of a map line: what follows the options, each of which takes as many words as it has.
-fn file_name(line: &str) -> String {
-    let mut words = line.split_whitespace().peekable();
-    while let Some(option) = words.peek().filter(|w| w.starts_with('-')) {
-        let most = match *option {
-            "-o" | "-s" | "-t" => 3,
-            "-mm" => 2,
-            _ => 1,
+    fn make(
+        &mut self,
+        map: &Map,
+        mask: Option<&Map>,
+        role: Role,
+        folder: &str,
+        door: &mut Door,
+    ) -> Result<Option<Texture>> {
+        let picture = self.picture(&map.name, folder, role, door)?;
+        let mut texture = match (picture, role) {
+            (Some(picture), _) => picture,
+            (None, Role::Colour) => picture::stand_in(&map.name),
+            (None, _) => return Ok(None),
         };
-        let is_number_list = most > 1;
-        words.next();
-        for _ in 0..most {
-            let number = words.peek().is_some_and(|w| w.parse::<f32>().is_ok());
-            if is_number_list && !number {
-                break;
-            }
-            words.next();
+        if role == Role::Relief && !map.holds_normals && !relief::is_normal_map(&texture) {
+            door.spend("pixels", |b| &mut b.pixels, texture.pixels.len() as u64)?;
+            texture.pixels = relief::normals(&texture.pixels).into();
         }
+        if let Some(mask) = mask.filter(|m| m.name != map.name)
+            && let Some(mask) = self.picture(&mask.name, folder, Role::Glow, door)?
+        {
+            door.spend("pixels", |b| &mut b.pixels, texture.pixels.len() as u64)?;
+            texture.pixels = masked(&texture, &mask).into();
+        }
+        if map.clamped {
+            texture.wrap = [Wrap::Clamp; 2];
+        }
+        Ok(Some(texture))
     }
-    words.collect::<Vec<_>>().join(" ")
+
+    /// A picture, decoded once; none, noted once, when it is missing.
+    fn picture(
+        &mut self,
+        name: &str,
+        folder: &str,
+        role: Role,
+        door: &mut Door,
+    ) -> Result<Option<Texture>> {
+        let key = format!("{folder}\0{name}");
+        if let Some(known) = self.pictures.get(&key) {
+            return Ok(known.clone());
+        }
+        self.scene.stored.textures += 1;
+        let bytes = picture::open_named(name, folder, door);
+        let picture = match bytes.and_then(|bytes| picture::decode(name, &bytes, door)) {
+            Ok(picture) => Some(picture),
+            Err(error @ Error::Input { .. }) => {
+                let instead = match role {
+                    Role::Colour => "middle grey stands in",
+                    _ => "the material goes without",
+                };
+                picture::is_missing(&mut self.scene, name, &error, instead);
+                None
+            }
+            Err(error) => return Err(error),
+        };
+        self.pictures.insert(key, picture.clone());
+        Ok(picture)
+    }
+
+    /// A scene with these materials, without the default, and nothing else.
+    pub(super) fn finish(mut self) -> Scene {
+        self.scene.stored.materials = self.scene.materials.len() as u64;
+        let unknown = self.scene.materials.iter().zip(&self.defined).filter(|(_, known)| !**known);
+        let names: Vec<&str> = unknown.map(|(m, _)| m.name.as_str()).collect();
+        if let Some(first) = names.first().filter(|_| !self.lacks_library) {
+            self.scene.warnings.push(format!(
+                "{} materials are in no material library, {first:?} among them; grey stands in",
+                names.len()
+            ));
+        }
+        self.scene
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn map_lines_end_in_a_file_name() {
-        assert_eq!(file_name("-o 0 0 -s 2 2 2 -bm 0.3 wood floor.png"), "wood floor.png");
-        assert_eq!(file_name("-clamp on a.png"), "a.png");
-        assert_eq!(file_name("a.png"), "a.png");
+/// The names of a `mtllib` statement: each ends in `.mtl` or at white space that no `\` guards.
+fn split_names(names: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut current = String::new();
+    let lower = names.to_ascii_lowercase();
+    let has_endings = lower.split(".mtl").count() > 1;
+    let mut chars = names.chars().peekable();
+    while let Some(c) = chars.next() {
+        let ends = !has_endings || current.to_ascii_lowercase().ends_with(".mtl");
+        if c == '\\' && chars.peek() == Some(&' ') {
+            current.extend(chars.next());
+        } else if c.is_whitespace() && (ends || current.is_empty()) {
+            found.extend(Some(std::mem::take(&mut current)).filter(|name| !name.is_empty()));
+        } else {
+            current.push(c);
+        }
     }
+    found.extend(Some(current).filter(|name| !name.is_empty()));
+    found
+}
+
+/// Nothing instead of a file that is missing.
+fn optional(read: Result<Vec<u8>>) -> Result<Option<Vec<u8>>> {
+    match read {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(Error::Input { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// The colours of a texture with the opacity of a mask: its alpha if it has any, else how light it
+/// is.
+fn masked(texture: &Texture, mask: &Texture) -> Plane<[u8; 4]> {
+    let has_alpha = mask.pixels.pixels().iter().any(|p| p[3] < 255);
+    let (width, height) = texture.pixels.size();
+    let from = mask.pixels.size();
+    let nearest = |i: usize, to: usize, from: usize| (2 * i + 1) * from / (2 * to);
+    Plane::from_fn(width, height, |x, y| {
+        let [r, g, b, a] = mask.pixels[(nearest(x, width, from.0), nearest(y, height, from.1))];
+        let grey = ((u16::from(r) + u16::from(g) + u16::from(b)) / 3) as u8;
+        let [r, g, b, _] = texture.pixels[(x, y)];
+        [r, g, b, if has_alpha { a } else { grey }]
+    })
 }
