@@ -26,17 +26,11 @@ fn main() {
     }
 }
 
-fn env(n: &str, d: f32) -> f32 { std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d) }
+/// Times one size.
 fn report(megapixels: f64, width: usize, height: usize) {
     let pixels = width * height;
     let (terminal, neighbour) = relief(width, height);
     let mask = vec![true; pixels];
-    if let Ok(p) = std::env::var("DUMP") {
-        let mut b: Vec<u8> = vec![];
-        for t in terminal.as_flattened() { b.extend(t.to_le_bytes()); }
-        for t in neighbour.as_flattened() { b.extend(t.to_le_bytes()); }
-        std::fs::write(p, b).unwrap();
-    }
     let grid = Grid { width, height, mask: &mask, terminal: &terminal, neighbour: &neighbour };
     let mut best = f64::INFINITY;
     let mut flow = 0;
@@ -61,7 +55,7 @@ fn relief(width: usize, height: usize) -> (Vec<[i32; 2]>, Vec<[i32; 4]>) {
     let tone = fractal(width, height, 1);
     let crease = fractal(width, height, 2);
     let average = blur(&tone, width, height, height / 30);
-    let bond = env("BOND", BOND) * height as f32 / 480.0;
+    let bond = BOND * height as f32 / 480.0;
     let terminal = (0..tone.len())
         .map(|i| {
             let local = (1.2 * (tone[i] - average[i])).clamp(-0.5, 0.5);
@@ -94,7 +88,7 @@ fn fractal(width: usize, height: usize, seed: u32) -> Vec<f32> {
     let mut sum = vec![0.0; width * height];
     for octave in 0..8 {
         let cell = (height as f32 / 3.0 / 2_f32.powi(octave)).max(2.0);
-        let weight = env("GAIN",0.62).powi(octave) * env("AMP",0.9);
+        let weight = 0.62f32.powi(octave) * 0.9;
         for (i, sum) in sum.iter_mut().enumerate() {
             let (x, y) = ((i % width) as f32 / cell, (i / width) as f32 / cell);
             *sum += weight * smooth_noise(x, y, seed * 8 + octave as u32);

@@ -11,16 +11,14 @@ use crate::write;
 use chiaro_basis::{Result, Run};
 use std::path::Path;
 
-/// One still of the demo: scene, style, height in pixels, caption.
-const STILLS: [(&str, &str, &str); 8] = [
-    ("head", "ink", "A head in the default style: solid blacks, borders on its features."),
-    ("desk", "ink", "A desk: white lines inside black keep its parts apart."),
-    ("cactus", "brush", "Brush: hollows filled, heavy lines, much white."),
-    ("bumpy-torus", "etched", "Etched: every bump, cut fine."),
-    ("courtyard", "noir", "Noir: one hard lamp, white lines in the dark."),
-    ("bowl", "gloss", "Gloss: dark lacquer with bright highlights."),
-    ("golf-ball", "etched", "A golf ball: shape from a hundred dimples."),
-    ("head", "noir", "The same head by night."),
+/// One still of the demo: scene, style, caption.
+const STILLS: [(&str, &str, &str); 6] = [
+    ("bumpy-torus", "ink", "A bumpy torus in the default style: solid blacks, a fine pen."),
+    ("golf-ball", "etched", "A golf ball, etched: shape from a hundred dimples."),
+    ("cornell-box", "ink", "A box of a room: white lines inside black keep its walls apart."),
+    ("rocks", "brush", "Rocks by brush: hollows filled, heavy lines, much white."),
+    ("torus", "gloss", "Gloss: dark lacquer with bright highlights."),
+    ("golf-ball", "noir", "Noir: one hard lamp, white lines in the dark."),
 ];
 
 /// The film: scene, frames, caption.

@@ -228,6 +228,7 @@ macro_rules! choice {
 
         impl $name {
             /// The words, in the order of the variants.
+            #[allow(unreachable_pub, reason = "the enum itself may be private")]
             pub const WORDS: &'static [&'static str] = &[$($word),+];
         }
 
