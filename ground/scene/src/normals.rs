@@ -4,7 +4,7 @@
 //! a group's normal is the mean of its faces' normals weighted by their angles there (Thürmer and
 //! Wüthrich 1998), found anew for every deformation.
 //!
-//! 1. [`places`]: vertices with the same position, as at texture seams, count as one place.
+//! 1. Vertices with the same position, as at texture seams, count as one place.
 //! 2. The faces around a place fall into clusters: neighbours across an edge that is no crease.
 //! 3. A vertex whose faces lie in several clusters is split; vertices of a cluster form a group.
 //!
