@@ -168,7 +168,7 @@ fn what_cannot_be_done_is_one_sentence_and_nothing_is_written() {
         (&["a.blend"], "File > Export > glTF 2.0"),
         (&["junk.glb"], "junk.glb"),
         (&["."], "folder"),
-        (&["demo:nothing"], "demo:"),
+        (&["demo:nothing"], "golf-ball"),
         (&["cube.obj", "--size", "0x0"], "--size"),
         (&["cube.obj", "--size", "100000x100000"], "--size"),
         (&["cube.obj", "--frames", "0"], "--frames"),
