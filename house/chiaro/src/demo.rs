@@ -12,13 +12,18 @@ use chiaro_basis::{Result, Run};
 use std::path::Path;
 
 /// One still of the demo: scene, style, caption.
-const STILLS: [(&str, &str, &str); 6] = [
-    ("bumpy-torus", "ink", "A bumpy torus in the default style: solid blacks, a fine pen."),
+const STILLS: [(&str, &str, &str); 7] = [
+    (
+        "head",
+        "ink",
+        "A head in the default style: solid blacks, a fine pen, white lines in the black.",
+    ),
+    ("bumpy-torus", "ink", "A bumpy torus: borders run along its folds."),
     ("golf-ball", "etched", "A golf ball, etched: shape from a hundred dimples."),
     ("cornell-box", "ink", "A box of a room: white lines inside black keep its walls apart."),
     ("rocks", "brush", "Rocks by brush: hollows filled, heavy lines, much white."),
     ("torus", "gloss", "Gloss: dark lacquer with bright highlights."),
-    ("golf-ball", "noir", "Noir: one hard lamp, white lines in the dark."),
+    ("head", "noir", "Noir: one hard lamp, white lines in the dark."),
 ];
 
 /// The film: scene, frames, caption.

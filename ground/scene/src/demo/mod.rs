@@ -13,6 +13,7 @@
 //! same bytes.
 
 mod cornell;
+mod head;
 #[allow(dead_code)]
 mod motion;
 mod rocks;
@@ -38,6 +39,7 @@ const MAKERS: &[(&str, Maker)] = &[
     ("bumpy-torus", Maker::Fixed(solids::bumpy_torus)),
     ("peanut", Maker::Fixed(solids::peanut)),
     ("golf-ball", Maker::Fixed(solids::golf_ball)),
+    ("head", Maker::Fixed(head::head)),
     ("cornell-box", Maker::Fixed(cornell::cornell_box)),
     ("sphere-field", Maker::Fixed(sphere_field::flat)),
     ("sphere-field-smooth", Maker::Fixed(sphere_field::smooth)),

@@ -9,7 +9,7 @@ use chiaro_image::sheet::Sheet;
 const HEIGHT: usize = 480;
 
 /// The scenes that the figures are drawn on.
-const RELIEF: &str = "rocks";
+const HEAD: &str = "head";
 const OBJECT: &str = "bumpy-torus";
 const PATTERN: &str = "golf-ball";
 
@@ -65,7 +65,7 @@ fn plate(scene: &str, run: &Run) -> Result<Plate> {
 }
 
 fn weights(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    for scene in [RELIEF, PATTERN] {
+    for scene in [HEAD, PATTERN] {
         let plate = plate(scene, run)?;
         for w in [0.2, 0.4, 0.6, 0.9, 1.4] {
             let set = |k: &mut BinaryKnobs| (k.diffuse_w, k.diffuse_b, k.neighbour) = (w, 0.5, 0.3);
@@ -76,7 +76,7 @@ fn weights(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 fn channels(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    let plate = plate(RELIEF, run)?;
+    let plate = plate(HEAD, run)?;
     for channel in [Channel::Diffuse, Channel::Headlamp, Channel::Specular] {
         sheet.add(plate.channel(channel), channel.name());
     }
@@ -96,7 +96,7 @@ fn channels(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 fn global_local(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    for scene in [RELIEF, OBJECT] {
+    for scene in [HEAD, OBJECT] {
         let plate = plate(scene, run)?;
         for (g, caption) in [(1.0, "global, g = 1"), (0.3, "g = 0.3"), (0.0, "local, g = 0")] {
             let set = |k: &mut BinaryKnobs| (k.diffuse_g, k.neighbour) = (g, 0.03);
@@ -107,7 +107,7 @@ fn global_local(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 fn neighbour(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    for scene in [RELIEF, OBJECT] {
+    for scene in [HEAD, OBJECT] {
         let plate = plate(scene, run)?;
         for n in [0.0, 0.1, 0.3, 0.8, 2.0] {
             let set = |k: &mut BinaryKnobs| {
@@ -120,7 +120,7 @@ fn neighbour(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 fn geometry(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    for scene in [RELIEF, PATTERN] {
+    for scene in [HEAD, PATTERN] {
         let plate = plate(scene, run)?;
         let cells: [(f32, bool, &str); 3] = [
             (0.0, false, "N~ = 0: a threshold"),
@@ -136,7 +136,7 @@ fn geometry(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 fn thresholds(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    for scene in [RELIEF, PATTERN, OBJECT] {
+    for scene in [HEAD, PATTERN, OBJECT] {
         let plate = plate(scene, run)?;
         sheet.add(plate.channel(Channel::Diffuse), "diffuse light");
         sheet.add(plate.threshold(0.0), "threshold");

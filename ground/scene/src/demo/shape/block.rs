@@ -75,7 +75,7 @@ pub(crate) fn prism(outline: &Profile, height: f32, radius: f32) -> Form {
     }
     rings.push(vec![vec3(0.0, height, 0.0)]);
     normals.push(vec![Vec3::Y]);
-    loft_with_normals(&rings, &normals, Join { around: true, along: false }).outward()
+    loft_with_normals(&rings, &normals, Join { around: true, along: false })
 }
 
 /// A superellipsoid (Barr 1981) with half-sizes `half`; exponents of 1 give an ellipsoid, towards 0

@@ -60,13 +60,15 @@ pub(crate) fn chain(p: Vec3, joints: &[(Vec3, f32)], k: f32) -> f32 {
         .unwrap_or(f32::INFINITY)
 }
 
-/// The gradient of a field, by differences over a tetrahedron of size `step`.
-pub(crate) fn gradient(field: impl Fn(Vec3) -> f32, p: Vec3, step: f32) -> Vec3 {
+/// A field's value and gradient, from its values at the corners of a small tetrahedron.
+pub(crate) fn value_and_gradient(field: impl Fn(Vec3) -> f32, p: Vec3, step: f32) -> (f32, Vec3) {
     const ARMS: [Vec3; 4] = [
         Vec3::new(1.0, -1.0, -1.0),
         Vec3::new(-1.0, -1.0, 1.0),
         Vec3::new(-1.0, 1.0, -1.0),
         Vec3::new(1.0, 1.0, 1.0),
     ];
-    ARMS.iter().map(|&a| a * field(p + a * step)).sum::<Vec3>() / (4.0 * step)
+    let values = ARMS.map(|a| field(p + a * step));
+    let slope: Vec3 = ARMS.iter().zip(values).map(|(&a, v)| a * v).sum();
+    (values.iter().sum::<f32>() / 4.0, slope / (4.0 * step))
 }

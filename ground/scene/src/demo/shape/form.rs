@@ -40,6 +40,21 @@ impl Form {
         six / 6.0
     }
 
+    /// With every triangle turned if most face away from the normals.
+    pub(crate) fn facing_its_normals(mut self) -> Self {
+        let agreement: f32 = self.triangles.iter().map(|t| self.agreement(t)).sum();
+        if agreement < 0.0 {
+            self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        self
+    }
+
+    /// Twice a triangle's area, as far as its first normal agrees.
+    fn agreement(&self, t: &[u32; 3]) -> f32 {
+        let [a, b, c] = t.map(|v| self.positions[v as usize]);
+        (b - a).cross(c - a).dot(self.normals[t[0] as usize])
+    }
+
     fn flip(&mut self) {
         self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         self.normals.iter_mut().for_each(|n| *n = -*n);
@@ -113,6 +128,24 @@ impl Form {
             flat.triangles.push([first, first + 1, first + 2]);
         }
         flat
+    }
+
+    /// The triangles that `keep` chooses, with the vertices they need.
+    pub(crate) fn part(&self, keep: impl Fn(&[u32; 3]) -> bool) -> Self {
+        let mut part = Self::default();
+        let mut known = vec![u32::MAX; self.positions.len()];
+        for t in self.triangles.iter().filter(|t| keep(t)) {
+            part.triangles.push(t.map(|v| {
+                let v = v as usize;
+                if known[v] == u32::MAX {
+                    known[v] = part.positions.len() as u32;
+                    part.positions.push(self.positions[v]);
+                    part.normals.push(self.normals[v]);
+                }
+                known[v]
+            }));
+        }
+        part
     }
 
     /// Both forms as one; they stay separate pieces.

@@ -10,8 +10,8 @@
 //! The field must grow by at most `STEEPEST` a unit, since far blocks are left out on its word.
 //! Features finer than a cell may be lost. The result does not depend on threads.
 
-use super::field::gradient;
-use super::form::Form;
+use super::field::value_and_gradient;
+use super::form::{Form, angle_weighted_normals};
 use super::neighbours::Neighbours;
 use crate::Bounds;
 use chiaro_basis::math::Vec3;
@@ -41,44 +41,50 @@ pub(crate) fn isosurface(bounds: Bounds, cell: f32, field: Field) -> Form {
         .collect();
     let cuts: Vec<Vec<[Cut; 3]>> = blocks.par_iter().map(|&b| lattice.block(b)).collect();
     let cuts = cuts.concat();
-    let form = polished(lattice.form(&cuts), field, 0.3 * cell, 4);
+    let form = polished(lattice.form(&cuts), field, 0.3 * cell, 3, |_| true);
     form.with_gradient_normals(field, 0.2 * cell)
 }
 
 /// Vertices evened out on the surface: `rounds` times to the mean of their neighbours within the
-/// tangent plane, and back to the surface. `reach` bounds a step.
-pub(crate) fn polished(mut form: Form, field: Field, reach: f32, rounds: usize) -> Form {
+/// tangent plane, and back to the surface. `reach` bounds a step; only points in `zone` move.
+pub(crate) fn polished(
+    mut form: Form,
+    field: Field,
+    reach: f32,
+    rounds: usize,
+    zone: impl Fn(Vec3) -> bool + Sync,
+) -> Form {
     let neighbours = Neighbours::of(form.positions.len(), &form.triangles);
-    for _ in 0..rounds {
+    for round in 0..rounds {
         let old = &form.positions;
+        let normals = angle_weighted_normals(old, &form.triangles);
         let step = |v: usize| {
-            let p = old[v];
+            if !zone(old[v]) {
+                return old[v];
+            }
             let around = neighbours.around(v);
             let mean = around.iter().map(|&n| old[n as usize]).sum::<Vec3>() / around.len() as f32;
-            let normal = gradient(field, p, 0.3 * reach).normalize_or_zero();
-            let shift = mean - p;
-            let slid = p + (shift - normal * shift.dot(normal)) * 0.7;
-            settled(field, slid, reach)
+            let shift = mean - old[v];
+            let slid = old[v] + (shift - normals[v] * shift.dot(normals[v])) * 0.7;
+            let near = settled(field, slid, reach);
+            if round + 1 == rounds { settled(field, near, reach) } else { near }
         };
         form.positions = (0..old.len()).into_par_iter().map(step).collect();
     }
     form
 }
 
-/// The point of the surface near `p`: two steps of Newton's method, each at most `reach`.
-pub(crate) fn settled(field: Field, mut p: Vec3, reach: f32) -> Vec3 {
-    for _ in 0..2 {
-        let slope = gradient(field, p, 0.1 * reach);
-        let step = slope * (field(p) / slope.length_squared().max(0.05));
-        p -= step.clamp_length_max(reach);
-    }
-    p
+/// A point nearer to the surface than `p`: a step of Newton's method, at most `reach` long.
+fn settled(field: Field, p: Vec3, reach: f32) -> Vec3 {
+    let (value, slope) = value_and_gradient(field, p, 0.1 * reach);
+    let step = slope * (value / slope.length_squared().max(0.05));
+    p - step.clamp_length_max(reach)
 }
 
 impl Form {
     /// With the field's gradient as normals, taken over `step`.
     pub(crate) fn with_gradient_normals(mut self, field: Field, step: f32) -> Self {
-        let normal = |p: &Vec3| gradient(field, *p, step).normalize_or(Vec3::Y);
+        let normal = |p: &Vec3| value_and_gradient(field, *p, step).1.normalize_or(Vec3::Y);
         self.normals = self.positions.par_iter().map(normal).collect();
         self
     }
@@ -193,7 +199,7 @@ fn march(places: &[Place; 4], values: &[f32; 4], triangles: &mut Vec<[Cut; 3]>) 
     let polygon: &[(usize, usize)] = match inside.len() {
         1 => &[(0, 1), (0, 2), (0, 3)],
         2 => &[(0, 2), (0, 3), (1, 3), (1, 2)],
-        3 => &[(0, 3), (2, 3), (1, 3)],
+        3 => &[(0, 3), (1, 3), (2, 3)],
         _ => return,
     };
     let corners: Vec<Cut> = polygon.iter().map(|&(a, b)| cut(a, b)).collect();

@@ -23,5 +23,5 @@ pub(crate) fn lathe(profile: &Profile, segments: usize) -> Form {
         rings.push(turned(p, if pole { 1 } else { segments }));
         normals.push(if pole { vec![Vec3::Y * n.y.signum()] } else { turned(n, segments) });
     }
-    loft_with_normals(&rings, &normals, Join { around: true, along: profile.closed }).outward()
+    loft_with_normals(&rings, &normals, Join { around: true, along: profile.closed })
 }

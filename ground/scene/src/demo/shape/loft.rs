@@ -24,10 +24,11 @@ pub(crate) fn loft(rings: &[Ring], join: Join) -> Form {
     Form::smooth(rings.concat(), grid_triangles(rings, join))
 }
 
-/// As [`loft`], with the normals given in rings of the same shape.
+/// As [`loft`], with the normals given in rings of the same shape; triangles face as they do.
 pub(crate) fn loft_with_normals(rings: &[Ring], normals: &[Ring], join: Join) -> Form {
     let triangles = grid_triangles(rings, join);
-    Form { positions: rings.concat(), normals: normals.concat(), triangles }
+    let form = Form { positions: rings.concat(), normals: normals.concat(), triangles };
+    form.facing_its_normals()
 }
 
 fn grid_triangles(rings: &[Ring], join: Join) -> Vec<[u32; 3]> {

@@ -2,6 +2,7 @@
 
 mod ball;
 mod block;
+mod bundle;
 pub(crate) mod field;
 mod form;
 mod isosurface;
@@ -10,13 +11,15 @@ mod loft;
 mod neighbours;
 mod noise;
 mod profile;
+mod refine;
 mod scatter;
 mod tube;
 
 pub(crate) use ball::ball;
 pub(crate) use block::{block, prism, superellipsoid};
+pub(crate) use bundle::{Bundle, strand};
 pub(crate) use form::Form;
-pub(crate) use isosurface::isosurface;
+pub(crate) use isosurface::{isosurface, polished};
 pub(crate) use lathe::lathe;
 pub(crate) use loft::{Join, loft, pointed, sheet, wrapped};
 pub(crate) use noise::{cells, layers, noise, ridges};
