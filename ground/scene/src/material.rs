@@ -55,6 +55,13 @@ impl Default for Material {
     }
 }
 
+impl Material {
+    /// Whether it emits light at all.
+    pub fn shines(&self) -> bool {
+        self.emissive.iter().any(|e| *e > 0.0)
+    }
+}
+
 /// How opacity is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {

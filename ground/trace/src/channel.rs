@@ -73,7 +73,12 @@ fn illuminance(
 ) -> [f32; 2] {
     let position = Vec3::from(buffer.position[pixel]);
     let normal = Vec3::from(buffer.normal[pixel]);
-    let mut sum = [0.0; 2];
+    // A surface that shines is as bright as a white one under pi times its radiance.
+    let own = match lamps.iter().any(|l| l.patch.is_some()) {
+        true => std::f32::consts::PI * colour::luminance(buffer.emissive[pixel]),
+        false => 0.0,
+    };
+    let mut sum = [own; 2];
     for arrival in lamps.iter().filter_map(|l| l.arrival(position)) {
         let e = arrival.strength * normal.dot(arrival.towards).max(0.0);
         if e > 0.0 {
@@ -95,8 +100,14 @@ fn in_shadow(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize), arrival: 
     }
     let lift = lifted(tracer, buffer, pixel);
     let start = lift + smooth * (1e-4 * buffer.radius);
-    let reach = arrival.distance * (1.0 - 1e-4);
-    tracer.occluded(&Ray { origin: start, direction: arrival.towards, t_max: reach })
+    if !arrival.from_surface {
+        let reach = arrival.distance * (1.0 - 1e-4);
+        return tracer.occluded(&Ray { origin: start, direction: arrival.towards, t_max: reach });
+    }
+    // To the very point, or the surface that shines would stand in its own way.
+    let end = Vec3::from(buffer.position[pixel]) + arrival.towards * arrival.distance;
+    let (direction, length) = (end - start).normalize_and_length();
+    tracer.occluded(&Ray { origin: start, direction, t_max: length * (1.0 - 1e-3) })
 }
 
 /// The pixel's point moved onto the smooth surface: the barycentric mean of its projections onto

@@ -6,6 +6,7 @@
 
 pub mod channel;
 mod gbuffer;
+mod glow;
 mod light;
 mod mip;
 mod motion;
@@ -16,7 +17,8 @@ mod triangle;
 pub mod view;
 
 pub use gbuffer::GBuffer;
-pub use light::{Arrival, KEY_FROM, Lamp};
+pub use glow::{Glow, GlowPoint, GlowTriangle};
+pub use light::{Arrival, KEY_FROM, Lamp, Patch};
 pub use motion::motion;
 pub use occlusion::ambient_occlusion;
 pub use surface::{Surface, Surfaces};

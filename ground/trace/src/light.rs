@@ -15,8 +15,22 @@ pub struct Lamp {
     pub kind: LightKind,
     /// Luminous strength: lux for parallel light, candela for the others.
     pub strength: f32,
+    /// Linear RGB of luminance 1.
+    pub colour: [f32; 3],
     /// Beyond this distance it is dark.
     pub range: f32,
+    /// Of a lamp that stands for a piece of a shining surface: that piece. It shines with the
+    /// cosine of the angle to `direction`.
+    pub patch: Option<Patch>,
+}
+
+/// A piece of a shining surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// In scene units squared.
+    pub area: f32,
+    /// Whether it shines to both sides.
+    pub two_sided: bool,
 }
 
 /// Light that arrives at a point.
@@ -28,6 +42,8 @@ pub struct Arrival {
     pub distance: f32,
     /// Illuminance on a surface that faces the lamp, lux.
     pub strength: f32,
+    /// Whether a surface shines there, which a ray would meet at its end.
+    pub from_surface: bool,
 }
 
 /// The key light of scenes that have none, in the axes of the camera: from above, on the left, on
@@ -42,7 +58,9 @@ impl Lamp {
             direction: world.transform_vector3(-Vec3::Z).normalize_or(-Vec3::Y),
             kind: light.kind,
             strength: light.intensity * luminance(light.colour),
+            colour: light.colour.map(|c| c / luminance(light.colour)),
             range: light.range,
+            patch: None,
         });
         lamps.filter(|l| l.strength > 0.0 && l.strength.is_finite()).collect()
     }
@@ -61,7 +79,9 @@ impl Lamp {
             direction: direction.normalize_or(-Vec3::Y),
             kind: LightKind::Directional,
             strength: 1.0,
+            colour: [1.0; 3],
             range: f32::INFINITY,
+            patch: None,
         }
     }
 
@@ -69,7 +89,8 @@ impl Lamp {
     pub fn arrival(&self, point: Vec3) -> Option<Arrival> {
         if self.kind == LightKind::Directional {
             let towards = -self.direction;
-            return Some(Arrival { towards, distance: f32::INFINITY, strength: self.strength });
+            let (distance, strength) = (f32::INFINITY, self.strength);
+            return Some(Arrival { towards, distance, strength, from_surface: false });
         }
         let offset = self.position - point;
         let distance = offset.length();
@@ -77,12 +98,23 @@ impl Lamp {
             return None;
         }
         let towards = offset / distance;
-        let strength = self.strength / (distance * distance) * self.cone(-towards);
-        (strength > 0.0).then_some(Arrival { towards, distance, strength })
+        let strength = self.strength / self.square(distance) * self.cone(-towards);
+        let from_surface = self.patch.is_some();
+        (strength > 0.0).then_some(Arrival { towards, distance, strength, from_surface })
     }
 
-    /// The spot's angular falloff (KHR_lights_punctual), 1 for point lights.
+    /// What strength is divided by. A patch falls off as a disc of its area does on its axis, so
+    /// that nothing near it is brighter than it.
+    fn square(&self, distance: f32) -> f32 {
+        distance * distance + self.patch.map_or(0.0, |p| p.area * std::f32::consts::FRAC_1_PI)
+    }
+
+    /// The spot's angular falloff (KHR_lights_punctual), a patch's cosine, 1 for point lights.
     fn cone(&self, outward: Vec3) -> f32 {
+        if let Some(patch) = self.patch {
+            let cosine = self.direction.dot(outward);
+            return if patch.two_sided { cosine.abs() } else { cosine.max(0.0) };
+        }
         let LightKind::Spot { inner, outer } = self.kind else { return 1.0 };
         let (full, dark) = (inner.cos(), outer.cos());
         let t = (self.direction.dot(outward) - dark) / (full - dark).max(1e-4);

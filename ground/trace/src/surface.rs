@@ -68,6 +68,14 @@ impl<'a> Surfaces<'a> {
         };
         reader.with_roughness(material, surface)
     }
+
+    /// The radiance that the surface at `hit` emits from a side that shines, averaged over a
+    /// footprint this wide, in scene units.
+    pub fn emission(&self, tracer: &Tracer, hit: &Hit, footprint: f32) -> [f32; 3] {
+        let corner = Corners::of(tracer, hit);
+        let material = &self.scene.materials[corner.mesh.materials[hit.face as usize].index()];
+        Reader { surfaces: self, corner: &corner, hit, footprint }.emissive(material)
+    }
 }
 
 /// The hit triangle in world space.

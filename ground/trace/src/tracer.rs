@@ -229,13 +229,18 @@ impl<'a> Tracer<'a> {
 
     /// Whether a ray along `direction` (world space) met the front of the face it hit.
     pub fn meets_front(&self, hit: &Hit, direction: Vec3) -> bool {
-        let object = self.object(hit);
+        let [a, b, c] = self.corners(hit.object, hit.face);
+        let back = (b - a).cross(c - a).dot(direction) > 0.0;
+        back == self.object(hit).mirrored
+    }
+
+    /// The corners of a face of an object in world space.
+    pub fn corners(&self, object: u32, face: u32) -> [Vec3; 3] {
+        let object = &self.frame.objects[object as usize];
         let shape = &self.frame.shapes[object.shape];
         let m = &object.world_from_shape;
-        let [a, b, c] = self.mesh(hit).triangles[hit.face as usize]
-            .map(|v| m.transform_point3(shape.positions[v as usize]));
-        let back = (b - a).cross(c - a).dot(direction) > 0.0;
-        back == object.mirrored
+        shape.mesh_in(self.scene).triangles[face as usize]
+            .map(|v| m.transform_point3(shape.positions[v as usize]))
     }
 
     fn in_world_space(&self, object: u32) -> bool {

@@ -6,6 +6,7 @@
 
 use crate::camera::Camera;
 use crate::film::{self, Target};
+use crate::lighting::Lighting;
 use crate::project::Project;
 use crate::record::Record;
 use crate::style::Style;
@@ -18,8 +19,8 @@ use chiaro_binary::{
 use chiaro_image::colour::to_byte;
 use chiaro_image::labels::components;
 use chiaro_image::{Plane, codec};
-use chiaro_scene::{Frame, Pose};
-use chiaro_trace::{GBuffer, Lamp, Surfaces, Tracer};
+use chiaro_scene::Frame;
+use chiaro_trace::{GBuffer, Surfaces, Tracer};
 use serde_json::{Map, Value, json};
 
 /// Frames that a shot's exposure is surveyed on, at most, and their height in pixels.
@@ -66,7 +67,7 @@ pub struct Shot<'a> {
     pub camera: Camera,
     /// The exposure.
     pub exposure: Exposure,
-    sun: Option<Lamp>,
+    lighting: Lighting,
     surfaces: Surfaces<'a>,
 }
 
@@ -78,13 +79,14 @@ impl<'a> Shot<'a> {
         let frames: Vec<Frame> = numbers.iter().map(|&n| project.pose(&poser, n, run)).collect();
         let camera = Camera::choose(project, &frames, run)?;
         let surfaces = Surfaces::new(&project.scene);
-        let sun = sun(project, &camera.pose(&frames[0], numbers[0]), &frames[0], run);
+        let lighting =
+            Lighting::choose(project, &surfaces, &camera, (&frames[0], numbers[0]), run)?;
         let mut shot = Self {
             project,
             knobs: knobs.clone(),
             camera,
             exposure: Exposure::default(),
-            sun,
+            lighting,
             surfaces,
         };
         shot.exposure = shot.expose(&numbers, &frames, run)?;
@@ -146,7 +148,7 @@ impl<'a> Shot<'a> {
             (tracer, buffer)
         });
         let buffer = buffer?;
-        let lamps = self.lamps(frame);
+        let lamps = self.lighting.lamps(&tracer, &self.surfaces);
         let channels = run.stage("channels", pixels, || {
             let lit =
                 Lit { tracer: &tracer, surfaces: &self.surfaces, buffer: &buffer, lamps: &lamps };
@@ -185,13 +187,6 @@ impl<'a> Shot<'a> {
         s
     }
 
-    fn lamps(&self, frame: &Frame) -> Vec<Lamp> {
-        match self.sun {
-            Some(sun) => vec![sun],
-            None => Lamp::of_frame(frame),
-        }
-    }
-
     /// One frame of the shot, in full.
     pub fn picture(
         &self,
@@ -208,22 +203,6 @@ impl<'a> Shot<'a> {
         });
         Ok(Picture { view, steps, marks })
     }
-}
-
-/// The sun that the user set, or a key light where the scene has none.
-fn sun(project: &Project, pose: &Pose, frame: &Frame, run: &Run) -> Option<Lamp> {
-    if let Some([azimuth, elevation]) = project.options.sun {
-        let (a, e) = (azimuth.to_radians(), elevation.to_radians());
-        let from = [e.cos() * a.sin(), e.sin(), e.cos() * a.cos()];
-        return Some(Lamp::sun(-chiaro_basis::math::Vec3::from(from)));
-    }
-    if Lamp::of_frame(frame).is_empty() {
-        run.warn(
-            "no light in the scene: a key light from above, on the left, on the viewer's side",
-        );
-        return Some(Lamp::key(pose));
-    }
-    None
 }
 
 /// A finished frame with everything on the way to it.

@@ -13,6 +13,7 @@ pub mod figures;
 pub mod film;
 pub mod gbuffer;
 pub mod info;
+mod lighting;
 pub mod number;
 pub mod page;
 pub mod project;

@@ -1,0 +1,305 @@
+//! [`Glow`]: the surfaces of a frame that shine.
+//!
+//! 1. Every triangle whose material emits is listed with its area and its mean radiance, textures
+//!    averaged by their mip maps; triangles without area, and those that are black, are left out.
+//! 2. Points are drawn on them with a density proportional to power: a cumulative distribution over
+//!    the triangles, low-discrepancy points inside.
+//! 3. For noise-free light the points are gathered into a few clusters ([`Glow::lamps`]), each a
+//!    small lamp with a cosine: the same points whatever the pixel.
+//!
+//! Single-sided materials shine from their front alone, double-sided ones from both sides.
+
+use crate::light::{Lamp, Patch};
+use crate::surface::Surfaces;
+use crate::tracer::{Hit, Tracer};
+use chiaro_basis::math::Vec3;
+use chiaro_basis::random;
+use chiaro_image::colour::luminance;
+use chiaro_scene::LightKind;
+
+/// The shining triangles of a frame.
+#[derive(Clone, Debug, Default)]
+pub struct Glow {
+    triangles: Vec<GlowTriangle>,
+    /// Power up to and including each triangle, relative to the whole.
+    cumulative: Vec<f64>,
+    /// Power in lumens per pi: radiance's luminance times area, both sides counted.
+    power: f64,
+}
+
+/// A shining triangle in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct GlowTriangle {
+    /// Its corners.
+    pub corners: [Vec3; 3],
+    /// Unit vector to the side that shines.
+    pub normal: Vec3,
+    /// In scene units squared.
+    pub area: f32,
+    /// Mean radiance, linear RGB.
+    pub radiance: [f32; 3],
+    /// Whether the back shines too.
+    pub two_sided: bool,
+    /// Index into [`chiaro_scene::Frame::objects`].
+    pub object: u32,
+    /// Index into the mesh's triangles.
+    pub face: u32,
+}
+
+/// A point on a shining triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct GlowPoint {
+    /// World position.
+    pub position: Vec3,
+    /// Index of its triangle.
+    pub triangle: usize,
+    /// Barycentric coordinates of the second and the third vertex.
+    pub b: [f32; 2],
+    /// Probability density per area, 1 / scene units squared.
+    pub density: f32,
+}
+
+impl Glow {
+    /// The shining triangles of a tracer's frame.
+    pub fn of(tracer: &Tracer, surfaces: &Surfaces) -> Self {
+        let mut triangles = Vec::new();
+        for (index, object) in tracer.frame.objects.iter().enumerate() {
+            let mesh = tracer.frame.shapes[object.shape].mesh_in(tracer.scene);
+            let faces = mesh.materials.iter().enumerate();
+            let shining = faces.filter(|(_, m)| tracer.scene.materials[m.index()].shines());
+            triangles.extend(shining.filter_map(|(face, _)| {
+                GlowTriangle::of(tracer, surfaces, index as u32, face as u32)
+            }));
+        }
+        Self::from_triangles(triangles)
+    }
+
+    fn from_triangles(triangles: Vec<GlowTriangle>) -> Self {
+        let mut power = 0.0;
+        let mut cumulative: Vec<f64> = triangles
+            .iter()
+            .map(|t| {
+                power += t.power();
+                power
+            })
+            .collect();
+        cumulative.iter_mut().for_each(|c| *c /= power);
+        Self { triangles, cumulative, power }
+    }
+
+    /// The triangles.
+    pub fn triangles(&self) -> &[GlowTriangle] {
+        &self.triangles
+    }
+
+    /// Whether nothing shines.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// Luminance times area over all triangles and shining sides: lumens over pi.
+    pub fn power(&self) -> f64 {
+        self.power
+    }
+
+    /// A point for three numbers in [0, 1): the first chooses the triangle, by power. `None` when
+    /// nothing shines.
+    pub fn point(&self, [choice, u, v]: [f32; 3]) -> Option<GlowPoint> {
+        let last = self.triangles.len().checked_sub(1)?;
+        let index = self.cumulative.partition_point(|c| *c <= f64::from(choice)).min(last);
+        let t = &self.triangles[index];
+        // Uniform over the triangle (Heitz 2019: folding the square keeps neighbours together).
+        let b = if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] };
+        let [p, q, r] = t.corners;
+        let position = p + (q - p) * b[0] + (r - p) * b[1];
+        let density = (t.power() / self.power) as f32 / t.area;
+        Some(GlowPoint { position, triangle: index, b, density })
+    }
+
+    /// The density, per area, with which [`Glow::point`] finds points of a triangle.
+    pub fn density(&self, triangle: usize) -> f32 {
+        let t = &self.triangles[triangle];
+        (t.power() / self.power) as f32 / t.area
+    }
+
+    /// At most `count` small lamps in the place of the whole, spread over it by power.
+    pub fn lamps(&self, count: usize) -> Vec<Lamp> {
+        const CANDIDATES: usize = 2048;
+        if count == 0 || self.is_empty() {
+            return Vec::new();
+        }
+        let points: Vec<GlowPoint> = (0..CANDIDATES)
+            .filter_map(|i| {
+                let [u, v] = random::r2(i as u64);
+                self.point([(i as f32 + 0.5) / CANDIDATES as f32, u, v])
+            })
+            .collect();
+        let share = (self.power / CANDIDATES as f64) as f32;
+        clusters(&points.iter().map(|p| p.position).collect::<Vec<_>>(), count)
+            .into_iter()
+            .filter(|members| !members.is_empty())
+            .map(|members| self.lamp(&points, &members, share))
+            .collect()
+    }
+
+    /// One lamp for a cluster of points: at the member nearest to their mean, with its triangle's
+    /// direction and the cluster's power and mean colour.
+    fn lamp(&self, points: &[GlowPoint], members: &[usize], share: f32) -> Lamp {
+        let count = members.len() as f32;
+        let mean = members.iter().map(|&i| points[i].position).sum::<Vec3>() / count;
+        let distance = |i: usize| (points[i].position - mean).length_squared();
+        let middle = members.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        let middle = &points[middle.expect("a cluster has members")];
+        let t = &self.triangles[middle.triangle];
+        let sum = members.iter().fold([0.0f32; 3], |sum, &i| {
+            let t = &self.triangles[points[i].triangle];
+            let y = luminance(t.radiance);
+            std::array::from_fn(|k| sum[k] + t.radiance[k] / y)
+        });
+        // A two-sided patch shines with half of its power to each side.
+        let power = share * count * if t.two_sided { 0.5 } else { 1.0 };
+        let area = power / luminance(t.radiance);
+        Lamp {
+            position: middle.position,
+            direction: t.normal,
+            kind: LightKind::Point,
+            strength: power,
+            colour: sum.map(|c| c / count),
+            range: f32::INFINITY,
+            patch: Some(Patch { area, two_sided: t.two_sided }),
+        }
+    }
+}
+
+impl GlowTriangle {
+    fn of(tracer: &Tracer, surfaces: &Surfaces, object: u32, face: u32) -> Option<Self> {
+        let corners = tracer.corners(object, face);
+        let [a, b, c] = corners;
+        let cross = (b - a).cross(c - a);
+        let area = 0.5 * cross.length();
+        if !(area > 0.0 && area.is_finite()) {
+            return None;
+        }
+        let hit = Hit { t: 0.0, object, face, b: [1.0 / 3.0; 2] };
+        let radiance = surfaces.emission(tracer, &hit, area.sqrt());
+        let material = &tracer.scene.materials[tracer.mesh(&hit).materials[face as usize].index()];
+        let outward = if tracer.object(&hit).mirrored { -cross } else { cross };
+        let triangle = Self {
+            corners,
+            normal: outward / (2.0 * area),
+            area,
+            radiance,
+            two_sided: material.double_sided,
+            object,
+            face,
+        };
+        let power = triangle.power();
+        (power > 0.0 && power.is_finite()).then_some(triangle)
+    }
+
+    fn power(&self) -> f64 {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        sides * f64::from(luminance(self.radiance)) * f64::from(self.area)
+    }
+}
+
+/// The members of `count` compact clusters of points: farthest-point seeds, then a few of Lloyd's
+/// iterations; ties go to the lower index.
+fn clusters(points: &[Vec3], count: usize) -> Vec<Vec<usize>> {
+    let mut centres = vec![points[0]];
+    let mut nearest: Vec<f32> = points.iter().map(|p| (*p - points[0]).length_squared()).collect();
+    while centres.len() < count {
+        let far = (0..points.len()).fold(0, |b, i| if nearest[i] > nearest[b] { i } else { b });
+        if nearest[far] == 0.0 {
+            break;
+        }
+        centres.push(points[far]);
+        for (d, p) in nearest.iter_mut().zip(points) {
+            *d = d.min((*p - points[far]).length_squared());
+        }
+    }
+    let mut members = Vec::new();
+    for _ in 0..8 {
+        members = vec![Vec::new(); centres.len()];
+        for (i, p) in points.iter().enumerate() {
+            let d = |k: &usize| (centres[*k] - *p).length_squared();
+            let best = (0..centres.len()).min_by(|a, b| d(a).total_cmp(&d(b)));
+            members[best.unwrap_or(0)].push(i);
+        }
+        for (centre, m) in centres.iter_mut().zip(&members) {
+            if !m.is_empty() {
+                *centre = m.iter().map(|&i| points[i]).sum::<Vec3>() / m.len() as f32;
+            }
+        }
+    }
+    members
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::math::vec3;
+
+    fn square(radiance: f32) -> Glow {
+        let [a, b, c, d] = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
+            .map(|[x, z]: [f32; 2]| vec3(x, 0.0, z));
+        let triangle = |corners: [Vec3; 3]| GlowTriangle {
+            corners,
+            normal: -Vec3::Y,
+            area: 2.0,
+            radiance: [radiance; 3],
+            two_sided: false,
+            object: 0,
+            face: 0,
+        };
+        Glow::from_triangles(vec![triangle([a, b, c]), triangle([a, c, d])])
+    }
+
+    /// The form factor of a square of side 2 seen from below its centre at distance h, by the
+    /// closed form of a corner rectangle, four times.
+    fn form_factor(h: f32) -> f32 {
+        let x = 1.0 / h;
+        let s = (1.0 + x * x).sqrt();
+        4.0 / (2.0 * std::f32::consts::PI) * (2.0 * x / s * (x / s).atan())
+    }
+
+    #[test]
+    fn few_lamps_give_the_square_s_illuminance() {
+        for h in [0.7, 1.0, 3.0, 10.0] {
+            let below = vec3(1.0, -h, 1.0);
+            let sum: f32 = square(5.0)
+                .lamps(16)
+                .iter()
+                .filter_map(|l| l.arrival(below))
+                .map(|a| a.strength * a.towards.y)
+                .sum();
+            let exact = 5.0 * std::f32::consts::PI * form_factor(h);
+            assert!((sum / exact - 1.0).abs() < 0.03, "{h}: {sum} {exact}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_seen_from_behind_and_power_is_kept() {
+        let lamps = square(5.0).lamps(16);
+        assert_eq!(lamps.len(), 16);
+        assert!(lamps.iter().all(|l| l.arrival(vec3(1.0, 1.0, 1.0)).is_none()));
+        let power: f32 = lamps.iter().map(|l| l.strength).sum();
+        assert!((power - 20.0).abs() < 1e-3, "{power}");
+    }
+
+    #[test]
+    fn points_are_uniform_over_equal_triangles() {
+        let glow = square(1.0);
+        let n = 4096;
+        let mean = (0..n)
+            .map(|i| {
+                let [u, v] = random::r2(i);
+                let p = glow.point([(i as f32 + 0.5) / n as f32, u, v]).unwrap();
+                assert!((p.density - 0.25).abs() < 1e-6);
+                p.position
+            })
+            .sum::<Vec3>()
+            / n as f32;
+        assert!((mean - vec3(1.0, 0.0, 1.0)).length() < 0.01, "{mean}");
+    }
+}

@@ -1,0 +1,100 @@
+//! Which light black-and-white pictures of a shot stand in.
+//!
+//! In order: the sun that the user set; the scene's lamps and the surfaces that shine; a key light
+//! where there is neither, or where what shines lights too little to draw by (eyes of a robot, a
+//! screen on a desk).
+
+use crate::camera::Camera;
+use crate::project::Project;
+use chiaro_basis::math::Vec3;
+use chiaro_basis::{Result, Run};
+use chiaro_scene::Frame;
+use chiaro_trace::{GBuffer, Glow, Lamp, Surfaces, Tracer, channel};
+
+/// Lamps that stand for all surfaces that shine, at most.
+const PATCHES: usize = 24;
+/// Shining surfaces are left out beside lamps that are this many times as strong.
+const OUTSHONE: f32 = 1000.0;
+/// The share of what is seen that shining surfaces must reach to be the light of a scene.
+const LEAST_LIT: f32 = 0.25;
+/// The height of the picture on which that is measured.
+const PROBE_HEIGHT: usize = 96;
+
+/// The light of a shot.
+pub(crate) enum Lighting {
+    /// One parallel light.
+    Sun(Lamp),
+    /// The scene's lamps, and what shines in it.
+    Scene { glow: bool },
+}
+
+impl Lighting {
+    /// Chooses by the first frame of a shot.
+    pub(crate) fn choose(
+        project: &Project,
+        surfaces: &Surfaces,
+        camera: &Camera,
+        (frame, number): (&Frame, u32),
+        run: &Run,
+    ) -> Result<Self> {
+        if let Some([azimuth, elevation]) = project.options.sun {
+            let (a, e) = (azimuth.to_radians(), elevation.to_radians());
+            let from = Vec3::new(e.cos() * a.sin(), e.sin(), e.cos() * a.cos());
+            return Ok(Self::Sun(Lamp::sun(-from)));
+        }
+        let shines = project.scene.materials.iter().any(|m| m.shines());
+        let punctual = Lamp::of_frame(frame);
+        if !punctual.is_empty() {
+            return Ok(Self::Scene { glow: shines });
+        }
+        let pose = camera.pose(frame, number);
+        if shines && reach(project, surfaces, camera, (frame, number), run)? >= LEAST_LIT {
+            return Ok(Self::Scene { glow: true });
+        }
+        run.warn(
+            "no light in the scene: a key light from above, on the left, on the viewer's side",
+        );
+        Ok(Self::Sun(Lamp::key(&pose)))
+    }
+
+    /// The lamps of a frame.
+    pub(crate) fn lamps(&self, tracer: &Tracer, surfaces: &Surfaces) -> Vec<Lamp> {
+        match self {
+            Self::Sun(sun) => vec![*sun],
+            Self::Scene { glow } => {
+                let mut lamps = Lamp::of_frame(tracer.frame);
+                if *glow {
+                    let strongest = lamps.iter().map(|l| l.strength).fold(0.0, f32::max);
+                    let patches = Glow::of(tracer, surfaces).lamps(PATCHES);
+                    let seen = |p: &Lamp| p.strength * OUTSHONE > strongest;
+                    lamps.extend(patches.into_iter().filter(seen));
+                }
+                lamps
+            }
+        }
+    }
+}
+
+/// The share of a small picture to which light comes from surfaces that shine.
+fn reach(
+    project: &Project,
+    surfaces: &Surfaces,
+    camera: &Camera,
+    (frame, number): (&Frame, u32),
+    run: &Run,
+) -> Result<f32> {
+    let tracer = Tracer::new(&project.scene, frame);
+    let lamps = Glow::of(&tracer, surfaces).lamps(PATCHES);
+    if lamps.is_empty() {
+        return Ok(0.0);
+    }
+    let size = camera.at_height(PROBE_HEIGHT).size;
+    let buffer = GBuffer::trace(&tracer, surfaces, &camera.pose(frame, number), size, run)?;
+    let light = channel::diffuse(&tracer, &buffer, &lamps, true, run)?;
+    let covered = buffer.covered.pixels().iter().filter(|c| **c).count();
+    // The tone is one half at the median of what is lit; a trace of light counts for nothing, nor
+    // does what shines by itself.
+    let tones = light.shadowed.pixels().iter().zip(buffer.emissive.pixels());
+    let lit = tones.filter(|(t, e)| **t > 0.1 && **e == [0.0; 3]).count();
+    Ok(lit as f32 / covered.max(1) as f32)
+}
