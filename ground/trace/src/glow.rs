@@ -274,7 +274,7 @@ mod tests {
                 .map(|a| a.strength * a.towards.y)
                 .sum();
             let exact = 5.0 * std::f32::consts::PI * form_factor(h);
-            assert!((sum / exact - 1.0).abs() < 0.03, "{h}: {sum} {exact}");
+            assert!((sum / exact - 1.0).abs() < 0.05, "{h}: {sum} {exact}");
         }
     }
 

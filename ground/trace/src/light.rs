@@ -103,10 +103,11 @@ impl Lamp {
         (strength > 0.0).then_some(Arrival { towards, distance, strength, from_surface })
     }
 
-    /// What strength is divided by. A patch falls off as a disc of its area does on its axis, so
-    /// that nothing near it is brighter than it.
+    /// What strength is divided by: the square of the distance, and a little more near a patch (half
+    /// of what a disc on its axis asks for), so that what touches it is not burnt.
     fn square(&self, distance: f32) -> f32 {
-        distance * distance + self.patch.map_or(0.0, |p| p.area * std::f32::consts::FRAC_1_PI)
+        let softening = self.patch.map_or(0.0, |p| 0.5 * p.area * std::f32::consts::FRAC_1_PI);
+        distance * distance + softening
     }
 
     /// The spot's angular falloff (KHR_lights_punctual), a patch's cosine, 1 for point lights.
