@@ -1,15 +1,34 @@
-//! Marks on paper: label images to smooth borders, marked edges to lines, lines to pixels.
+//! Marks on paper: label images to smooth borders, marked edges to lines, lines to pixels, and all
+//! of it to SVG in millimetres.
 //!
 //! ```text
-//! labels --border--> smooth coverage          cracks --chain--> polylines --draw--> coverage
+//! labels --border--> smooth coverage            cracks --chain--> polylines --draw--> coverage
+//! labels --soften, partition, fit--> regions --+
+//!              polylines --simplify, travel--> strokes --> Drawing --> SVG
 //! ```
 //!
-//! Coordinates are in pixels, y down, pixel centres at + 0.5.
+//! Pictures have coordinates in pixels, y down, pixel centres at + 0.5; a [`Drawing`] has them in
+//! millimetres, and a [`Placement`] leads from one to the other.
 
 mod border;
 mod crack;
+mod drawing;
+mod fit;
+mod paper;
+mod partition;
+mod path;
+mod soften;
 mod stroke;
+mod svg;
+mod travel;
 
 pub use border::smooth_coverage;
 pub use crack::{Cracks, Polyline};
+pub use drawing::{Colour, Drawing, Layer, Mark, Travel};
+pub use fit::{Fit, fit, simplified};
+pub use paper::{Placement, Sheet, length};
+pub use partition::{Partition, Region};
+pub use path::{Path, Point, Segment};
+pub use soften::{NOTHING, Soft};
 pub use stroke::draw;
+pub use travel::{Plan, plan};
