@@ -35,10 +35,8 @@ pub fn fit(points: &[Point], closed: bool, how: &Fit) -> Option<Path> {
     let corners = track.corners(how);
     let mut path = Path { start: points[0], segments: Vec::new(), closed };
     let runs = track.runs(&corners, how);
-    if let [only] = runs.as_slice() {
-        if closed && corners.is_empty() {
-            return Some(fit_loop(only, how));
-        }
+    if closed && corners.is_empty() {
+        return Some(fit_loop(&runs[0], how));
     }
     path.start = runs[0][0];
     for run in &runs {
