@@ -1,5 +1,7 @@
 //! Drawings against what another program makes of them: SVG rasterized by resvg.
 
+#![allow(clippy::unwrap_used)]
+
 use chiaro_basis::random;
 use chiaro_image::{Plane, filter};
 use chiaro_ink::{Drawing, Fit, Layer, Mark, NOTHING, Partition, Placement, Sheet, Soft};
