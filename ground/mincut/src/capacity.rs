@@ -8,6 +8,8 @@ use std::ops::{Add, BitAnd, Neg, Sub};
 /// A stored integer.
 pub(crate) trait Capacity:
     Copy
+    + Send
+    + Sync
     + Default
     + Ord
     + Add<Output = Self>

@@ -66,6 +66,29 @@ pub enum GridError {
         /// The capacity.
         got: i32,
     },
+    /// A link in time from the first frame, or to a pixel that its previous frame does not have.
+    TimeLink {
+        /// Column of the pixel.
+        x: usize,
+        /// Row of the pixel, counted on over the frames.
+        y: usize,
+        /// Where the link leads.
+        to: u32,
+    },
+    /// No such node: outside the lattice or its mask.
+    NoPixel {
+        /// The index given.
+        got: usize,
+        /// The number of pixels.
+        pixels: usize,
+    },
+    /// No such link: it leaves the frame or touches an unmasked pixel, or there is none.
+    NoLink {
+        /// The pixel.
+        pixel: usize,
+        /// The index of the link.
+        link: usize,
+    },
 }
 
 impl fmt::Display for GridError {
@@ -88,6 +111,19 @@ impl fmt::Display for GridError {
                 f,
                 "a neighbour capacity of pixel ({x}, {y}) is {got}, above the limit of {MAX_NEIGHBOUR}; \
                  scale all capacities down"
+            ),
+            Self::TimeLink { x, y, to } => write!(
+                f,
+                "the link in time of pixel ({x}, {y}) leads to pixel {to}, which no previous frame has; \
+                 leave it out"
+            ),
+            Self::NoPixel { got, pixels } => write!(
+                f,
+                "pixel {got} is no node of the {pixels} pixels; give one that the mask includes"
+            ),
+            Self::NoLink { pixel, link } => write!(
+                f,
+                "pixel {pixel} has no link {link} to another node; change one that it has"
             ),
         }
     }

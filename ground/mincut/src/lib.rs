@@ -21,6 +21,27 @@
 //! # Ok::<(), chiaro_mincut::GridError>(())
 //! ```
 //!
+//! A [`Lattice`] states more: four or sixteen neighbours, capacities that differ forth and back,
+//! frames over time, pixels that must be white or black. A [`Solver`] keeps its solution and
+//! follows changes at a cost of what they move:
+//!
+//! ```
+//! # use chiaro_mincut::{Grid, Solver};
+//! # let grid = Grid {
+//! #     width: 2,
+//! #     height: 1,
+//! #     mask: &[true, true],
+//! #     terminal: &[[5, 0], [0, 2]],
+//! #     neighbour: &[[3, 0, 0, 0], [0; 4]],
+//! # };
+//! let mut solver = Solver::new(&(&grid).into())?;
+//! solver.fix(0, Some(false))?;
+//! assert_eq!((solver.solve(), solver.labels()), (5, &[false, false][..]));
+//! solver.fix(0, None)?;
+//! assert_eq!((solver.solve(), solver.labels()), (2, &[true, true][..]));
+//! # Ok::<(), chiaro_mincut::GridError>(())
+//! ```
+//!
 //! Guaranteed: the cut is minimal, `flow == cut`, and among several minimal cuts the result is the
 //! canonical one, whose white pixels are exactly those the white terminal still reaches in the
 //! residual graph. That set is the same for every maximal flow, so any other exact solver with the
@@ -32,9 +53,15 @@ mod around;
 mod capacity;
 mod chain;
 mod grid;
+mod lattice;
+mod network;
+mod orphans;
 mod planes;
+mod repair;
 mod residual;
 mod search;
+mod solver;
+mod stencil;
 
 use capacity::Capacity;
 use planes::Planes;
@@ -42,6 +69,8 @@ use residual::Residual;
 use search::Search;
 
 pub use grid::{Grid, GridError, MAX_NEIGHBOUR, MAX_PIXELS, energy};
+pub use lattice::{LINK_STEPS, Lattice, Links, Neighbours, TimeLink};
+pub use solver::Solver;
 
 /// The canonical minimal cut of a [`Grid`].
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -79,5 +108,7 @@ fn labels_and_flow<C: Capacity>(grid: &Grid) -> Option<(Vec<bool>, i64)> {
     let (direct, supply) = (planes.direct, planes.supply);
     let mut search = Search::new(Residual::new(planes));
     search.run()?;
-    Some((search.labels(), direct + supply - search.left()))
+    let rows = (0..grid.height).map(|y| search.network.at(0, y));
+    let labels = rows.flat_map(|row| row..row + grid.width).map(|v| search.is_white(v)).collect();
+    Some((labels, direct + supply - search.left))
 }

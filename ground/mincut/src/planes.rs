@@ -7,6 +7,7 @@
 
 use crate::capacity::Capacity;
 use crate::grid::Grid;
+use crate::residual::framed;
 
 /// Values of a record: eight residuals, the excess, the incoming arcs.
 pub(crate) const RECORD: usize = 10;
@@ -46,7 +47,7 @@ impl<C: Capacity> Planes<C> {
     /// Reads a checked grid; `None` if it holds larger capacities than the type takes.
     pub(crate) fn read(grid: &Grid) -> Option<Self> {
         let (width, height) = (grid.width, grid.height);
-        let framed = (width + 1) * (height + 2) + 2;
+        let framed = framed(width, height);
         let records = vec![[C::default(); RECORD]; framed];
         let start = framed * RECORD - width * height * PLANES;
         let mut planes = Self { width, height, records, start, direct: 0, supply: 0 };

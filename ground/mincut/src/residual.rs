@@ -3,30 +3,50 @@
 //! The frame spares the search every test for the border. Rows share it: the pixel right of a
 //! row's last is the one left of the next row's first.
 
-use crate::around::{STEPS, opposite};
+use crate::around::{STEPS, around, children, lowest, opposite, zero};
 use crate::capacity::Capacity;
+use crate::network::{Network, Side};
 use crate::planes::{PLANES, Planes, RECORD, split};
+use crate::repair::Mutable;
 
 /// Where the excess is in a record: from the white terminal if positive, to the black one if negative.
 const EXCESS: usize = 8;
 /// Where the open arcs are: a set of directions for those that arrive, above it one for those that leave.
 const ARCS: usize = 9;
 
+/// The directions of the links: east, south-east, south, south-west.
+const LINKS: [u8; 4] = [3, 4, 5, 6];
+
 /// The framed records of a grid: eight residuals, the excess, the incoming arcs.
 pub(crate) struct Residual<C> {
     pub(crate) width: usize,
-    pub(crate) height: usize,
     records: Vec<[C; RECORD]>,
     /// How far each direction is in `records`.
     offset: [isize; 8],
 }
 
+/// The number of records of a grid, its frame included.
+pub(crate) fn framed(width: usize, height: usize) -> usize {
+    (width + 1) * (height + 2) + 2
+}
+
+/// How far each direction is among rows `stride` apart.
+fn offsets(stride: usize) -> [isize; 8] {
+    STEPS.map(|(x, y)| x + y * stride as isize)
+}
+
 impl<C: Capacity> Residual<C> {
+    /// A grid without any capacity.
+    pub(crate) fn empty(width: usize, height: usize) -> Self {
+        let stride = width + 1;
+        let records = vec![[C::default(); RECORD]; framed(width, height)];
+        Self { width, records, offset: offsets(stride) }
+    }
+
     /// Makes records of the planes, in their place.
     pub(crate) fn new(planes: Planes<C>) -> Self {
         let Planes { width, height, mut records, start, .. } = planes;
         let (stride, length) = (width + 1, width * PLANES);
-        let offset = STEPS.map(|(x, y)| x + y * stride as isize);
         let mut lines = [vec![C::default(); length], vec![C::default(); length]];
         let mut fields = vec![C::default(); width * RECORD];
         for y in 0..height {
@@ -38,77 +58,31 @@ impl<C: Capacity> Residual<C> {
             write_records(&mut row[1..], &fields);
         }
         records[(height + 1) * stride..].fill([C::default(); RECORD]);
-        Self { width, height, records, offset }
+        Self { width, records, offset: offsets(stride) }
     }
 
-    /// The number of framed pixels.
-    pub(crate) fn len(&self) -> usize {
-        self.records.len()
+    /// Where pixel `x` of row `y` is.
+    pub(crate) fn at(&self, x: usize, y: usize) -> usize {
+        (y + 1) * self.stride() + 1 + x
     }
 
     /// How far apart rows are.
     #[inline(always)]
-    pub(crate) fn stride(&self) -> usize {
+    fn stride(&self) -> usize {
         self.width + 1
-    }
-
-    /// Where row `y` begins.
-    pub(crate) fn row(&self, y: usize) -> usize {
-        (y + 1) * self.stride() + 1
     }
 
     /// The neighbour of `v` in direction `d`.
     #[inline(always)]
-    pub(crate) fn neighbour(&self, v: usize, d: usize) -> usize {
+    fn neighbour(&self, v: usize, d: usize) -> usize {
         v.wrapping_add_signed(self.offset[d & 7])
     }
 
+    /// The directions in which the tree can grow from `v`.
     #[inline(always)]
-    pub(crate) fn excess(&self, v: usize) -> i32 {
-        self.records[v][EXCESS].get()
-    }
-
-    /// Takes `amount` of the excess of `v`; whether nothing is left.
-    #[inline(always)]
-    pub(crate) fn drain(&mut self, v: usize, amount: i32) -> bool {
-        let excess = &mut self.records[v][EXCESS];
-        let left = excess.get() - excess.get().signum() * amount;
-        *excess = C::of(left);
-        left == 0
-    }
-
-    /// What can flow from `v` in direction `d`.
-    #[inline(always)]
-    pub(crate) fn capacity(&self, v: usize, d: usize) -> i32 {
-        self.records[v][d & 7].get()
-    }
-
-    /// The directions in which `v` has an open arc.
-    #[inline(always)]
-    pub(crate) fn outgoing(&self, v: usize) -> u8 {
-        (self.records[v][ARCS].get() >> 8) as u8
-    }
-
-    /// The directions from which `v` has an open arc.
-    #[inline(always)]
-    pub(crate) fn incoming(&self, v: usize) -> u8 {
-        self.records[v][ARCS].get() as u8
-    }
-
-    /// Moves `amount` from `v` to its neighbour in direction `d`; whether that closes the arc.
-    #[inline(always)]
-    pub(crate) fn push(&mut self, v: usize, d: usize, amount: i32) -> bool {
-        let (w, back) = (self.neighbour(v, d), opposite(d & 7));
-        let from = &mut self.records[v][d & 7];
-        let left = from.get() - amount;
-        *from = C::of(left);
-        let to = &mut self.records[w][back];
-        let before = to.get();
-        *to = C::of(before + amount);
-        if left == 0 || before == 0 {
-            self.mark(v, d & 7, w, left == 0);
-        }
-        left == 0
+    fn away<T: Side>(&self, v: usize) -> u8 {
+        let arcs = self.records[v][ARCS].get();
+        if T::WHITE { (arcs >> 8) as u8 } else { arcs as u8 }
     }
 
     /// Notes that the arc `d` from `v` to `w` is closed or not and the one back is open.
@@ -118,6 +92,130 @@ impl<C: Capacity> Residual<C> {
         *from = C::of((from.get() | 1 << d) & !(closed << 8 << d));
         let to = &mut self.records[w][ARCS];
         *to = C::of((to.get() | 1 << 8 << back) & !(closed << back));
+    }
+}
+
+impl<C: Capacity> Network for Residual<C> {
+    type Arc = u8;
+    type Label = C;
+    const ROOT: u8 = 8;
+    const NONE: u8 = 9;
+
+    fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    #[inline(always)]
+    fn excess(&self, v: usize) -> i64 {
+        i64::from(self.records[v][EXCESS].get())
+    }
+
+    #[inline(always)]
+    fn drain(&mut self, v: usize, amount: i64) -> bool {
+        let excess = &mut self.records[v][EXCESS];
+        let left = excess.get() - excess.get().signum() * amount as i32;
+        *excess = C::of(left);
+        left == 0
+    }
+
+    #[inline(always)]
+    fn head(&self, v: usize, d: u8) -> usize {
+        self.neighbour(v, usize::from(d))
+    }
+
+    #[inline(always)]
+    fn back(&self, _: usize, d: u8) -> u8 {
+        d ^ 4
+    }
+
+    #[inline(always)]
+    fn residual(&self, v: usize, d: u8) -> i64 {
+        i64::from(self.records[v][usize::from(d & 7)].get())
+    }
+
+    #[inline(always)]
+    fn push(&mut self, v: usize, d: u8, amount: i64) -> bool {
+        let d = usize::from(d & 7);
+        let (w, amount) = (self.neighbour(v, d), amount as i32);
+        let from = &mut self.records[v][d];
+        let left = from.get() - amount;
+        *from = C::of(left);
+        let to = &mut self.records[w][opposite(d)];
+        let before = to.get();
+        *to = C::of(before + amount);
+        if left == 0 || before == 0 {
+            self.mark(v, d, w, left == 0);
+        }
+        left == 0
+    }
+
+    #[inline(always)]
+    fn lowest<T: Side>(&self, label: &[C], v: usize) -> Option<(i32, u8)> {
+        let distances = around(label, v, self.stride()).map(T::distance);
+        lowest(distances, self.away::<T::Other>(v)).map(|(distance, d)| (distance, d as u8))
+    }
+
+    #[inline(always)]
+    fn contact<T: Side>(&self, label: &[C], v: usize) -> Option<u8> {
+        let distances = around(label, v, self.stride()).map(T::Other::distance);
+        lowest(distances, self.away::<T>(v)).map(|(_, d)| d as u8)
+    }
+
+    #[inline(always)]
+    fn each_free<T: Side>(
+        &self,
+        label: &mut [C],
+        v: usize,
+        mut take: impl FnMut(&mut [C], usize, u8),
+    ) {
+        let mut free = self.away::<T>(v) & zero(around(label, v, self.stride()));
+        while free != 0 {
+            let d = free.trailing_zeros() as usize;
+            free &= free - 1;
+            take(label, self.neighbour(v, d), opposite(d) as u8);
+        }
+    }
+
+    #[inline(always)]
+    fn each_child(&self, parent: &mut [u8], v: usize, mut visit: impl FnMut(&mut [u8], usize)) {
+        let mut kin = children(parent, v, self.stride());
+        while kin != 0 {
+            let d = kin.trailing_zeros() as usize;
+            kin &= kin - 1;
+            visit(parent, self.neighbour(v, d));
+        }
+    }
+}
+
+impl Mutable for Residual<i32> {
+    const BOUND: i64 = i32::LIMIT as i64;
+
+    fn node(&self, pixel: usize) -> usize {
+        self.at(pixel % self.width, pixel / self.width)
+    }
+
+    fn arc(&self, _: usize, link: usize) -> Option<u8> {
+        LINKS.get(link).copied()
+    }
+
+    fn add_excess(&mut self, v: usize, amount: i64) {
+        self.records[v][EXCESS] += amount as i32;
+    }
+
+    fn set_residuals(&mut self, v: usize, d: u8, residuals: [i64; 2]) {
+        let (w, back) = (self.head(v, d), self.back(v, d));
+        for (v, d, residual, arriving) in
+            [(v, d, residuals[0], residuals[1]), (w, back, residuals[1], residuals[0])]
+        {
+            let record = &mut self.records[v];
+            record[usize::from(d)] = residual as i32;
+            let bits = i32::from(residual > 0) << 8 | i32::from(arriving > 0);
+            record[ARCS] = record[ARCS] & !(0x101 << d) | bits << d;
+        }
+    }
+
+    fn each_neighbour(&self, v: usize, visit: impl FnMut(usize)) {
+        (0..8).map(|d| self.neighbour(v, d)).for_each(visit);
     }
 }
 

@@ -1,183 +1,153 @@
 //! The search: two breadth-first trees with distances, grown until no path is left.
 //!
 //! After Goldberg, Hed, Kaplan, Tarjan and Werneck, "Maximum flows by incremental breadth-first
-//! search" (ESA 2011).
+//! search" (ESA 2011), on any [`Network`].
 //!
-//! 1. Every pixel with excess is a root: of the white tree if it is positive, of the black one if
+//! 1. Every node with excess is a root: of the white tree if it is positive, of the black one if
 //!    it is negative. The label is the distance from the terminal, positive in the white tree,
-//!    negative in the black one, zero for a free pixel.
-//! 2. The trees grow in turn, one level each: a pixel takes its free neighbours over open arcs.
+//!    negative in the black one, zero for a free node.
+//! 2. The trees grow in turn, one level each: a node takes its free neighbours over open arcs.
 //! 3. Where an open arc leads from the white tree to the black one, the path through it is
-//!    saturated. Pixels cut from their parent are orphans.
+//!    saturated. Nodes cut from their parent are orphans.
 //! 4. Orphans, lowest label first, adopt a parent of a lower label; else they move to the lowest
-//!    label they can reach plus one, and their children at or below it become orphans; a pixel
+//!    label they can reach plus one, and their children at or below it become orphans; a node
 //!    that only reaches levels which have not grown yet is set free, for these will take it back.
 //! 5. When the black tree cannot grow, the flow is maximal; the white tree grows on, and its
-//!    pixels are the canonical cut.
+//!    nodes are the canonical cut.
 //!
 //! A parent's label is lower than its child's, and lower orphans come first, so an adopting parent
 //! is always rooted: no walk to the root is needed. Growth adds [`GAP`] to the label, so that an
 //! orphan may move up by one and still keep its children.
+//!
+//! What the rest leans on: **no open arc leads from a grown white node out of the white tree**,
+//! grown meaning at or below the level that grew last. It holds after every step, so that when no
+//! white node is left to grow, no path is left either. [`crate::repair`] restores it after changes.
 
-use crate::around::{around, children, lowest, opposite, zero};
 use crate::capacity::Capacity;
-use crate::residual::Residual;
+use crate::network::{Black, Network, Side, White};
+use crate::orphans::Orphans;
 
-/// The parent of a pixel that hangs from its terminal.
-const ROOT: u8 = 8;
-/// The parent of a free pixel or an orphan.
-const NONE: u8 = 9;
-/// How much farther than its parent a pixel is put when a tree grows.
-const GAP: i32 = 2;
+/// How much farther than its parent a node is put when a tree grows.
+pub(crate) const GAP: i32 = 2;
 
 /// One of the two trees: what is to grow and who lost its parent, by distance.
-#[derive(Default)]
-struct Tree {
+pub(crate) struct Tree<A> {
     /// The level that has grown last; all below have.
-    grown: i32,
-    /// Pixels to grow, by distance modulo 2: at most two levels wait.
-    active: [Vec<u32>; GAP as usize],
+    pub(crate) grown: i32,
+    /// Nodes to grow, by distance modulo 2: at most two levels wait.
+    pub(crate) active: [Vec<u32>; GAP as usize],
+    /// Grown nodes whose surroundings changed: to grow again before the next level.
+    pub(crate) again: Vec<u32>,
     spare: Vec<u32>,
-    orphans: Orphans,
-    path: Vec<u32>,
+    pub(crate) orphans: Orphans,
+    /// The way from a node to its root: nodes, each with its arc to the next one.
+    path: Vec<(u32, A)>,
 }
 
-#[derive(Default)]
-struct Orphans {
-    first: Vec<u32>,
-    links: Vec<(u32, u32)>,
-    lowest: usize,
-    waiting: usize,
-}
-
-impl Orphans {
-    #[inline(always)]
-    fn push(&mut self, v: usize, distance: usize) {
-        if self.first.len() <= distance {
-            self.first.resize(distance + 64, 0);
+impl<A> Default for Tree<A> {
+    fn default() -> Self {
+        Self {
+            grown: 0,
+            active: Default::default(),
+            again: Vec::new(),
+            spare: Vec::new(),
+            orphans: Orphans::default(),
+            path: Vec::new(),
         }
-        self.links.push((v as u32, self.first[distance]));
-        self.first[distance] = self.links.len() as u32;
-        self.waiting += 1;
-        self.lowest = self.lowest.min(distance);
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<usize> {
-        if self.waiting == 0 {
-            self.links.clear();
-            self.lowest = usize::MAX;
-            return None;
-        }
-        while self.first[self.lowest] == 0 {
-            self.lowest += 1;
-        }
-        let (v, next) = self.links[self.first[self.lowest] as usize - 1];
-        self.first[self.lowest] = next;
-        self.waiting -= 1;
-        Some(v as usize)
     }
 }
 
-pub(crate) struct Search<C> {
-    graph: Residual<C>,
-    label: Vec<C>,
-    parent: Vec<u8>,
+impl<A> Tree<A> {
+    fn waits(&self) -> bool {
+        !self.again.is_empty() || self.active.iter().any(|level| !level.is_empty())
+    }
+
+    /// Lets `v`, at `distance` above the grown levels, grow with its level.
+    #[inline(always)]
+    pub(crate) fn activate(&mut self, v: usize, distance: i32) {
+        self.active[distance as usize % GAP as usize].push(v as u32);
+    }
+}
+
+/// A network and the two trees on it.
+pub(crate) struct Search<N: Network> {
+    pub(crate) network: N,
+    pub(crate) label: Vec<N::Label>,
+    pub(crate) parent: Vec<N::Arc>,
     /// The white tree, the black tree.
-    trees: [Tree; 2],
+    pub(crate) trees: [Tree<N::Arc>; 2],
+    /// All positive excess.
+    pub(crate) left: i64,
 }
 
-pub(crate) trait Side {
-    const WHITE: bool;
-    const INDEX: usize;
-    type Other: Side;
-}
-pub(crate) struct White;
-pub(crate) struct Black;
-impl Side for White {
-    const WHITE: bool = true;
-    const INDEX: usize = 0;
-    type Other = Black;
-}
-impl Side for Black {
-    const WHITE: bool = false;
-    const INDEX: usize = 1;
-    type Other = White;
-}
-
-impl<C: Capacity> Search<C> {
-    pub(crate) fn new(graph: Residual<C>) -> Self {
-        let label: Vec<C> = (0..graph.len()).map(|v| C::of(graph.excess(v).signum())).collect();
-        let parent = label.iter().map(|l| if l.get() == 0 { NONE } else { ROOT }).collect();
-        Self { graph, label, parent, trees: Default::default() }
+impl<N: Network> Search<N> {
+    /// Makes every node with excess a root.
+    pub(crate) fn new(network: N) -> Self {
+        let trees = Default::default();
+        let mut search = Self { network, label: Vec::new(), parent: Vec::new(), trees, left: 0 };
+        search.restart();
+        search
     }
 
-    pub(crate) fn left(&self) -> i64 {
-        (0..self.graph.len()).map(|v| i64::from(self.graph.excess(v).max(0))).sum()
-    }
-
-    pub(crate) fn labels(&self) -> Vec<bool> {
-        let mut labels = Vec::with_capacity(self.graph.width * self.graph.height);
-        for y in 0..self.graph.height {
-            let row = &self.label[self.graph.row(y)..][..self.graph.width];
-            labels.extend(row.iter().map(|label| label.get() > 0));
+    /// Forgets the trees, not the flow.
+    pub(crate) fn restart(&mut self) {
+        let excess = (0..self.network.len()).map(|v| self.network.excess(v));
+        self.left = excess.clone().map(|e| e.max(0)).sum();
+        self.label.clear();
+        self.label.extend(excess.map(|e| N::Label::of(e.signum() as i32)));
+        self.parent.clear();
+        let root = |l: &N::Label| if l.get() == 0 { N::NONE } else { N::ROOT };
+        self.parent.extend(self.label.iter().map(root));
+        self.trees = Default::default();
+        for v in 0..self.label.len() {
+            if self.label[v].get() != 0 {
+                self.trees[usize::from(self.label[v].get() < 0)].activate(v, 1);
+            }
         }
-        labels
     }
 
-    /// None when labels overflow
+    /// Grows the trees until the flow is maximal and the white tree complete; `None` when a
+    /// distance is too large for a label.
     pub(crate) fn run(&mut self) -> Option<()> {
-        let waits = |tree: &Tree| tree.active.iter().any(|level| !level.is_empty());
-        self.grow_roots::<White>();
-        self.grow_roots::<Black>();
-        while waits(&self.trees[White::INDEX]) {
+        while self.trees[White::INDEX].waits() {
             self.grow_level::<White>()?;
-            if waits(&self.trees[Black::INDEX]) {
+            if self.trees[Black::INDEX].waits() {
                 self.grow_level::<Black>()?;
             }
         }
         Some(())
     }
 
+    /// Whether the white terminal reaches `v`, once the search has run.
+    #[inline(always)]
+    pub(crate) fn is_white(&self, v: usize) -> bool {
+        self.label[v].get() > 0
+    }
+
     /// The distance of `v` in the tree, zero or less outside.
     #[inline(always)]
-    fn distance<T: Side>(&self, v: usize) -> i32 {
-        let label = self.label[v].get();
-        if T::WHITE { label } else { -label }
+    pub(crate) fn distance<T: Side>(&self, v: usize) -> i32 {
+        T::distance(self.label[v].get())
     }
 
     #[inline(always)]
-    fn set_distance<T: Side>(&mut self, v: usize, distance: i32) {
-        self.label[v] = C::of(if T::WHITE { distance } else { -distance });
-    }
-
-    #[inline(always)]
-    fn distances<T: Side>(&self, v: usize) -> [i32; 8] {
-        let labels = around(&self.label, v, self.graph.stride());
-        if T::WHITE { labels } else { labels.map(|l| -l) }
-    }
-
-    fn grow_roots<T: Side>(&mut self) {
-        self.trees[T::INDEX].grown = 1;
-        for v in 0..self.label.len() {
-            if self.distance::<T>(v) == 1 {
-                self.grow::<T>(v, 1);
-            }
-        }
+    pub(crate) fn set_distance<T: Side>(&mut self, v: usize, distance: i32) {
+        self.label[v] = N::Label::of(T::distance(distance));
     }
 
     fn grow_level<T: Side>(&mut self) -> Option<()> {
+        self.grow_again::<T>();
         let tree = &mut self.trees[T::INDEX];
         tree.grown += 1;
         let (level, slot) = (tree.grown, tree.grown as usize % GAP as usize);
-        if level + GAP + 1 >= C::MAX {
+        if level + GAP + 1 >= N::Label::MAX {
             return None;
         }
         let spare = std::mem::take(&mut tree.spare);
         let mut active = std::mem::replace(&mut tree.active[slot], spare);
         for &v in &active {
             if self.distance::<T>(v as usize) == level {
-                self.grow::<T>(v as usize, level);
+                self.grow::<T>(v as usize);
             }
         }
         active.clear();
@@ -185,118 +155,116 @@ impl<C: Capacity> Search<C> {
         Some(())
     }
 
-    /// Saturates every path from `v` to the other tree, then takes the free neighbours.
+    fn grow_again<T: Side>(&mut self) {
+        let mut again = std::mem::take(&mut self.trees[T::INDEX].again);
+        for v in again.drain(..) {
+            self.grow::<T>(v as usize);
+        }
+        self.trees[T::INDEX].again = again;
+    }
+
+    /// Saturates every path from `v` to the other tree, then takes the free neighbours. A node that
+    /// is not in the tree any more, or has moved above the grown levels, is left alone.
     #[inline(always)]
-    fn grow<T: Side>(&mut self, v: usize, level: i32) {
-        while self.distance::<T>(v) == level {
-            let (open, around) = (self.open::<T>(v), self.distances::<T>(v));
-            if open == 0 {
-                return;
-            }
-            match lowest(around.map(|l| -l), open) {
-                Some((_, d)) => self.connect::<T>(v, d),
-                None => return self.take::<T>(v, level, open & zero(around)),
+    fn grow<T: Side>(&mut self, v: usize) {
+        while (1..=self.trees[T::INDEX].grown).contains(&self.distance::<T>(v)) {
+            match self.network.contact::<T>(&self.label, v) {
+                Some(a) => self.connect::<T>(v, a),
+                None => return self.take::<T>(v),
             }
         }
     }
 
-    /// The directions of the arcs over which the tree grows from `v`.
-    #[inline(always)]
-    fn open<T: Side>(&self, v: usize) -> u8 {
-        if T::WHITE { self.graph.outgoing(v) } else { self.graph.incoming(v) }
-    }
-
-    fn connect<T: Side>(&mut self, v: usize, d: usize) {
+    /// Saturates the paths through `v`, first the one over its arc `a`: the way from `v` to its
+    /// root is walked once for all of them.
+    fn connect<T: Side>(&mut self, v: usize, a: N::Arc) {
         let room = self.climb::<T>(v);
         let mut sent = 0;
-        let mut contact = Some((0, d));
-        while let Some((_, d)) = contact
+        let mut contact = Some(a);
+        while let Some(a) = contact
             && sent < room
         {
-            let w = self.graph.neighbour(v, d);
-            let (tail, e) = if T::WHITE { (v, d) } else { (w, opposite(d)) };
+            let w = self.network.head(v, a);
+            let (tail, arc) = if T::WHITE { (v, a) } else { (w, self.network.back(v, a)) };
             let amount =
-                self.climb::<T::Other>(w).min(self.graph.capacity(tail, e)).min(room - sent);
-            self.graph.push(tail, e, amount);
+                self.climb::<T::Other>(w).min(self.network.residual(tail, arc)).min(room - sent);
+            self.network.push(tail, arc, amount);
             self.drain::<T::Other>(amount);
             self.adopt::<T::Other>();
             sent += amount;
-            contact = lowest(self.distances::<T>(v).map(|l| -l), self.open::<T>(v));
+            contact = self.network.contact::<T>(&self.label, v);
         }
         self.drain::<T>(sent);
         self.adopt::<T>();
+        self.left -= sent;
     }
 
     #[inline(always)]
-    fn take<T: Side>(&mut self, v: usize, level: i32, mut free: u8) {
-        while free != 0 {
-            let d = free.trailing_zeros() as usize;
-            free &= free - 1;
-            let w = self.graph.neighbour(v, d);
-            self.set_distance::<T>(w, level + GAP);
-            self.parent[w] = opposite(d) as u8;
-            self.trees[T::INDEX].active[level as usize % GAP as usize].push(w as u32);
-        }
+    fn take<T: Side>(&mut self, v: usize) {
+        let distance = self.trees[T::INDEX].grown + GAP;
+        let (tree, parent) = (&mut self.trees[T::INDEX], &mut self.parent);
+        self.network.each_free::<T>(&mut self.label, v, |label, w, back| {
+            label[w] = N::Label::of(T::distance(distance));
+            parent[w] = back;
+            tree.activate(w, distance);
+        });
     }
 
-    /// The least capacity from `v` to its root.
+    /// Notes the way from `v` to its root; what it carries.
     #[inline(always)]
-    fn climb<T: Side>(&mut self, mut v: usize) -> i32 {
-        let mut path = std::mem::take(&mut self.trees[T::INDEX].path);
+    fn climb<T: Side>(&mut self, mut v: usize) -> i64 {
+        let path = &mut self.trees[T::INDEX].path;
         path.clear();
-        let mut least = i32::MAX;
+        let mut least = i64::MAX;
         loop {
-            let d = self.parent[v];
-            path.push((v as u32) << 3 | u32::from(d & 7));
-            if d == ROOT {
-                break;
+            let a = self.parent[v];
+            path.push((v as u32, a));
+            if a == N::ROOT {
+                return least.min(self.network.excess(v).abs());
             }
-            let d = usize::from(d);
-            let u = self.graph.neighbour(v, d);
-            least = least.min(if T::WHITE {
-                self.graph.capacity(u, opposite(d))
-            } else {
-                self.graph.capacity(v, d)
-            });
+            let u = self.network.head(v, a);
+            let (tail, arc) = if T::WHITE { (u, self.network.back(v, a)) } else { (v, a) };
+            least = least.min(self.network.residual(tail, arc));
             v = u;
         }
-        self.trees[T::INDEX].path = path;
-        least.min(self.graph.excess(v).abs())
     }
 
-    /// Pushes `amount` between `v` and its root; whoever hangs from a saturated arc is an orphan.
+    /// Pushes `amount` over the way noted last; whoever hangs from a saturated arc is an orphan.
     #[inline(always)]
-    fn drain<T: Side>(&mut self, amount: i32) {
+    fn drain<T: Side>(&mut self, amount: i64) {
         let path = std::mem::take(&mut self.trees[T::INDEX].path);
-        let (&root, steps) = path.split_last().expect("a path ends at its root");
-        for &step in steps {
-            let (v, d) = ((step >> 3) as usize, (step & 7) as usize);
+        let (&(root, _), steps) = path.split_last().expect("a path ends at its root");
+        for &(v, a) in steps {
+            let v = v as usize;
             let closed = if T::WHITE {
-                self.graph.push(self.graph.neighbour(v, d), opposite(d), amount)
+                let (u, back) = (self.network.head(v, a), self.network.back(v, a));
+                self.network.push(u, back, amount)
             } else {
-                self.graph.push(v, d, amount)
+                self.network.push(v, a, amount)
             };
             if closed {
                 self.orphan::<T>(v);
             }
         }
-        let root = (root >> 3) as usize;
-        if self.graph.drain(root, amount) {
-            self.orphan::<T>(root);
+        if self.network.drain(root as usize, amount) {
+            self.orphan::<T>(root as usize);
         }
         self.trees[T::INDEX].path = path;
     }
 
     #[inline(always)]
-    fn orphan<T: Side>(&mut self, v: usize) {
-        self.parent[v] = NONE;
+    pub(crate) fn orphan<T: Side>(&mut self, v: usize) {
+        self.parent[v] = N::NONE;
         let distance = self.distance::<T>(v) as usize;
         self.trees[T::INDEX].orphans.push(v, distance);
     }
 
-    fn adopt<T: Side>(&mut self) {
+    pub(crate) fn adopt<T: Side>(&mut self) {
         while let Some(v) = self.trees[T::INDEX].orphans.pop() {
-            self.settle::<T>(v);
+            // A change may have made a root of it meanwhile.
+            if self.parent[v] == N::NONE {
+                self.settle::<T>(v);
+            }
         }
     }
 
@@ -304,28 +272,31 @@ impl<C: Capacity> Search<C> {
     #[inline(always)]
     fn settle<T: Side>(&mut self, v: usize) {
         let (old, grown) = (self.distance::<T>(v), self.trees[T::INDEX].grown);
-        let open = if T::WHITE { self.graph.incoming(v) } else { self.graph.outgoing(v) };
-        let around = self.distances::<T>(v);
-        let (lowest, d) = lowest(around, open).unwrap_or((i32::MAX, 0));
+        let (lowest, a) = self.network.lowest::<T>(&self.label, v).unwrap_or((i32::MAX, N::NONE));
         if lowest < old {
-            self.parent[v] = d as u8;
+            self.parent[v] = a;
             return;
         }
         let free = lowest > grown;
         let distance = if free { 0 } else { lowest + 1 };
         self.set_distance::<T>(v, distance);
-        self.parent[v] = if free { NONE } else { d as u8 };
-        let mut kin = children(&self.parent, v, self.graph.stride());
-        while kin != 0 {
-            let d = kin.trailing_zeros() as usize;
-            kin &= kin - 1;
-            let w = self.graph.neighbour(v, d);
-            if free || self.distance::<T>(w) <= distance {
-                self.orphan::<T>(w);
-            }
-        }
+        self.parent[v] = if free { N::NONE } else { a };
+        self.release::<T>(v, if free { i32::MAX } else { distance });
         if distance > grown {
-            self.trees[T::INDEX].active[distance as usize % GAP as usize].push(v as u32);
+            self.trees[T::INDEX].activate(v, distance);
         }
+    }
+
+    /// Makes orphans of the children of `v` up to `distance`.
+    #[inline(always)]
+    pub(crate) fn release<T: Side>(&mut self, v: usize, distance: i32) {
+        let (label, orphans) = (&self.label, &mut self.trees[T::INDEX].orphans);
+        self.network.each_child(&mut self.parent, v, |parent, w| {
+            let at = T::distance(label[w].get());
+            if at <= distance {
+                parent[w] = N::NONE;
+                orphans.push(w, at as usize);
+            }
+        });
     }
 }

@@ -40,7 +40,7 @@ impl Problem {
     /// Same flow, same canonical labels, and the flow is the cut.
     fn agrees(&self) {
         let cut = solve(&self.grid()).expect("the strategy keeps to the bounds");
-        let (labels, flow) = oracle::solve(&self.grid());
+        let (labels, flow) = oracle::solve(&(&self.grid()).into());
         assert_eq!((cut.flow, cut.cut), (flow, flow));
         assert_eq!(cut.labels, labels);
         assert_eq!(energy(&self.grid(), &labels), flow);

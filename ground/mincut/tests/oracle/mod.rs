@@ -1,6 +1,6 @@
 //! The slow, obvious oracle: shortest augmenting paths one by one over an adjacency list.
 
-use chiaro_mincut::Grid;
+use chiaro_mincut::{Lattice, Links, Neighbours};
 use std::collections::VecDeque;
 
 struct Network {
@@ -49,32 +49,69 @@ impl Network {
     }
 }
 
-/// The canonical labels and the maximal flow of `grid`.
-pub(crate) fn solve(grid: &Grid) -> (Vec<bool>, i64) {
-    let pixels = grid.width * grid.height;
+/// What stands for "whatever it costs": more than all capacities of a small problem.
+const FIXED: i64 = 1 << 50;
+
+/// The canonical labels and the maximal flow of `lattice`.
+pub(crate) fn solve(lattice: &Lattice) -> (Vec<bool>, i64) {
+    let (width, height) = (lattice.width as isize, lattice.height as isize);
+    let pixels = lattice.width * lattice.height * lattice.frames;
     let (white, black) = (pixels, pixels + 1);
     let mut network = Network { arcs: Vec::new(), from: vec![Vec::new(); pixels + 2] };
-    for i in (0..pixels).filter(|&i| grid.mask[i]) {
-        network.connect(white, i, i64::from(grid.terminal[i][0]), 0);
-        network.connect(i, black, i64::from(grid.terminal[i][1]), 0);
-        let (x, y) = ((i % grid.width) as isize, (i / grid.width) as isize);
-        for (d, (dx, dy)) in [(1, 0), (1, 1), (0, 1), (-1, 1)].into_iter().enumerate() {
+    let steps: &[(isize, isize)] = match lattice.neighbours {
+        Neighbours::Four(_) => &[(1, 0), (0, 1)],
+        Neighbours::Eight(_) => &[(1, 0), (1, 1), (0, 1), (-1, 1)],
+        Neighbours::Sixteen(_) => {
+            &[(1, 0), (1, 1), (0, 1), (-1, 1), (2, 1), (1, 2), (-1, 2), (-2, 1)]
+        }
+    };
+    let mut unavoidable = 0;
+    for i in (0..pixels).filter(|&i| lattice.mask[i]) {
+        let mut terminal = lattice.terminal[i].map(i64::from);
+        if let Some(Some(label)) = lattice.fixed.get(i) {
+            // What a fixed pixel pays is paid whatever else happens.
+            unavoidable += terminal[usize::from(*label)];
+            terminal = if *label { [FIXED, 0] } else { [0, FIXED] };
+        }
+        network.connect(white, i, terminal[0], 0);
+        network.connect(i, black, terminal[1], 0);
+        let (row, x) = (i as isize / width, i as isize % width);
+        let (frame, y) = (row / height, row % height);
+        for (link, (dx, dy)) in steps.iter().enumerate() {
             let (x, y) = (x + dx, y + dy);
-            let inside =
-                (0..grid.width as isize).contains(&x) && (0..grid.height as isize).contains(&y);
-            let j = (y * grid.width as isize + x) as usize;
-            if inside && grid.mask[j] {
-                let capacity = i64::from(grid.neighbour[i][d]);
-                network.connect(i, j, capacity, capacity);
+            let j = ((frame * height + y) * width + x) as usize;
+            if (0..width).contains(&x) && (0..height).contains(&y) && lattice.mask[j] {
+                let [forth, back] = capacity(&lattice.neighbours, i, link);
+                network.connect(i, j, i64::from(forth), i64::from(back));
+            }
+        }
+        if let Some(Some(link)) = lattice.time.get(i) {
+            let j = (frame - 1) as usize * lattice.width * lattice.height + link.to as usize;
+            if lattice.mask[j] {
+                network.connect(i, j, i64::from(link.capacity[0]), i64::from(link.capacity[1]));
             }
         }
     }
-    let mut flow = 0;
+    let mut flow = unavoidable;
     loop {
         let via = network.reach(white);
         if via[black].is_none() {
             return (via[..pixels].iter().map(Option::is_some).collect(), flow);
         }
         flow += network.augment(&via, black);
+    }
+}
+
+fn capacity(neighbours: &Neighbours, i: usize, link: usize) -> [i32; 2] {
+    fn of<const L: usize>(links: &Links<L>, i: usize, link: usize) -> [i32; 2] {
+        match links {
+            Links::Symmetric(links) => [links[i][link]; 2],
+            Links::Directed(links) => links[i][link],
+        }
+    }
+    match neighbours {
+        Neighbours::Four(links) => of(links, i, link),
+        Neighbours::Eight(links) => of(links, i, link),
+        Neighbours::Sixteen(links) => of(links, i, link),
     }
 }
