@@ -52,6 +52,10 @@ pub(crate) enum Command {
         output: PathBuf,
         #[command(flatten)]
         ink: InkArgs,
+        /// Also write the graph and its cut as NumPy arrays into this folder; of a film, a
+        /// numbered folder a frame.
+        #[arg(long, value_name = "DIR")]
+        dump_graph: Option<PathBuf>,
         #[command(flatten)]
         common: Common,
     },

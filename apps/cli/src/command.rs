@@ -25,7 +25,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let target = Target::parse(output, project.frames().len())?;
             gbuffer::Job { project: &project, target }.run(run).map(Some)
         }
-        Command::Binary { scene, output, ink, .. } => {
+        Command::Binary { scene, output, ink, dump_graph, .. } => {
             let options = scene.options()?;
             let (style, knobs) = knobs(ink)?;
             let colours = colours(ink)?;
@@ -33,8 +33,14 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let target = Target::parse(output, frames)?;
             binary::check_target(&target)?;
             let project = Project::open(&scene.scene, options, run)?;
-            let job =
-                binary::Job { project: &project, style: &style, knobs: &knobs, colours, target };
+            let job = binary::Job {
+                project: &project,
+                style: &style,
+                knobs: &knobs,
+                colours,
+                target,
+                dump_graph: dump_graph.clone(),
+            };
             job.run(run).map(Some)
         }
         Command::Compare { a, b, .. } => compare::compare(a, b, run).map(Some),

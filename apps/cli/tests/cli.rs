@@ -236,3 +236,24 @@ fn a_picture_compares_equal_with_itself() {
     assert_eq!(changed("a.png", "a.png"), 0);
     assert_eq!(chiaro(dir.path(), &["compare", "a.png", "cube.obj"]).status.code(), Some(1));
 }
+
+#[test]
+fn the_graph_is_dumped_as_arrays_of_the_pictures_shape() {
+    let dir = folder();
+    let args = ["binary", "cube.obj", "-o", "a.png", "--size", "50x40", "-q", "--dump-graph"];
+    let output = chiaro(dir.path(), &[&args[..], &["new/graph", "--json", "a.json"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    for (name, shape, bytes) in [
+        ("terminal", "'<i4', 'fortran_order': False, 'shape': (40, 50, 2)", 16_000),
+        ("neighbour", "'<i4', 'fortran_order': False, 'shape': (40, 50, 4)", 32_000),
+        ("mask", "'|u1', 'fortran_order': False, 'shape': (40, 50)", 2000),
+        ("labels", "'|u1', 'fortran_order': False, 'shape': (40, 50)", 2000),
+    ] {
+        let array = std::fs::read(dir.path().join(format!("new/graph/{name}.npy"))).unwrap();
+        assert_eq!(array.len(), 128 + bytes, "{name}");
+        assert!(String::from_utf8_lossy(&array[..128]).contains(shape), "{name}");
+    }
+    let output = chiaro(dir.path(), &[&args[..], &["cube.obj"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("cube.obj: is a file"), "{}", stderr(&output));
+}

@@ -5,10 +5,11 @@
 //! 2. A frame at a time: rays, channels, weights, cut, lines, and the file, written whole.
 
 use crate::camera::Camera;
+use crate::dump;
 use crate::film::{self, Target};
 use crate::lighting::Lighting;
 use crate::project::Project;
-use crate::record::Record;
+use crate::record::{Output, Record};
 use crate::style::Style;
 use crate::write;
 use chiaro_basis::{Knobs, Result, Run};
@@ -22,6 +23,7 @@ use chiaro_image::{Plane, codec};
 use chiaro_scene::Frame;
 use chiaro_trace::{GBuffer, Surfaces, Tracer};
 use serde_json::{Map, Value, json};
+use std::path::PathBuf;
 
 /// Frames that a shot's exposure is surveyed on, at most, and their height in pixels.
 const SURVEY_FRAMES: usize = 5;
@@ -227,12 +229,15 @@ pub struct Job<'a> {
     pub colours: Colours,
     /// Where the picture goes.
     pub target: Target,
+    /// A folder for the graph, if wanted.
+    pub dump_graph: Option<PathBuf>,
 }
 
 impl Job<'_> {
     /// Renders and writes every frame that is not there yet.
     pub fn run(&self, run: &Run) -> Result<Record> {
         let encode = Encoding::of(&self.target)?;
+        dump::check(self.dump_graph.as_deref())?;
         let mut record = Record::new("binary");
         let mut counts = Vec::new();
         let mut pictures = Vec::new();
@@ -242,8 +247,8 @@ impl Job<'_> {
             run.check()?;
             let recipe = self.recipe(shot, number);
             let file = self.target.file(number);
-            if let (Target::Pattern(_), Some(output)) =
-                (&self.target, film::finished(&file, &recipe))
+            if let (Target::Pattern(_), None, Some(output)) =
+                (&self.target, &self.dump_graph, film::finished(&file, &recipe))
             {
                 record.outputs.push(output);
                 continue;
@@ -251,8 +256,10 @@ impl Job<'_> {
             let frame = self.project.pose(&poser, number, run);
             let picture = shot.picture(&frame, number, &self.colours, run)?;
             counts.push((number, measures(&picture)));
+            let graph = run.stage("write", 1, || self.dump(number, &picture.steps))?;
             if let Target::Animation(_) = self.target {
                 pictures.push(colour(&picture.marks, &self.colours));
+                record.outputs.extend(graph);
                 continue;
             }
             let output = run.stage("write", 1, || {
@@ -263,6 +270,7 @@ impl Job<'_> {
                 }
             })?;
             record.outputs.push(output);
+            record.outputs.extend(graph);
         }
         if let Target::Animation(path) = &self.target {
             let recipe = self.recipe(shot, self.project.frames()[0]);
@@ -271,6 +279,13 @@ impl Job<'_> {
         }
         self.describe(&mut record, shot, counts);
         Ok(record)
+    }
+
+    fn dump(&self, number: u32, steps: &Steps) -> Result<Vec<Output>> {
+        match &self.dump_graph {
+            Some(folder) => dump::graph(&dump::folder(folder, &self.target, number), steps),
+            None => Ok(Vec::new()),
+        }
     }
 
     fn describe(&self, record: &mut Record, shot: &Shot<'_>, counts: Vec<(u32, Value)>) {

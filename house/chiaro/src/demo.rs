@@ -81,6 +81,13 @@ fn draw(
     let project = Project::open(&format!("demo:{scene}"), options, run)?;
     let target = Target::parse(path, project.frames().len())?;
     let colours = Colours::default();
-    let job = Job { project: &project, style: &style, knobs: &style.binary, colours, target };
+    let job = Job {
+        project: &project,
+        style: &style,
+        knobs: &style.binary,
+        colours,
+        target,
+        dump_graph: None,
+    };
     Ok(job.run(run)?.outputs)
 }

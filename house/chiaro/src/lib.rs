@@ -9,6 +9,7 @@ pub mod camera;
 pub mod compare;
 pub mod demo;
 mod disk;
+mod dump;
 pub mod figures;
 pub mod film;
 pub mod gbuffer;

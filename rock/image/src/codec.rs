@@ -1,4 +1,4 @@
-//! Pictures to bytes and back: PNG, JPEG (reading only), PBM and OpenEXR.
+//! Pictures to bytes and back: PNG, JPEG (reading only), PBM and OpenEXR; planes as NPY (writing only).
 //!
 //! Codecs take and give bytes, never files, so that the caller alone decides how a file appears on
 //! disk. What they write depends on the picture and the recipe alone. What they read may be
@@ -9,6 +9,7 @@ mod apng;
 mod exr;
 mod jpeg;
 mod limits;
+mod npy;
 mod pbm;
 mod picture;
 mod png;
@@ -16,6 +17,7 @@ mod png;
 pub use apng::write_apng;
 pub use exr::{ExrChannel, ExrImage, read_exr, write_exr};
 pub use limits::Limits;
+pub use npy::{write_npy, write_npy_labels};
 pub use pbm::{read_pbm, write_pbm};
 pub use picture::{Format, read_colour, read_components, read_picture};
 pub use png::{read_png_recipe, write_png_bits, write_png_grey, write_png_rgb, write_png_rgba};
