@@ -68,6 +68,20 @@ pub(crate) enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Solve a DIMACS maximum-flow problem: flow, minimal cut, time.
+    Mincut {
+        /// A file of lines `p max NODES ARCS`, `n ID s`, `n ID t`, `a FROM TO CAPACITY`.
+        #[arg(value_name = "FILE.max")]
+        file: PathBuf,
+        /// Write the flow, a line `f FROM TO FLOW` for each arc that carries some.
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+        /// Check the solution: capacities, conservation at every node, flow equal to cut.
+        #[arg(long)]
+        verify: bool,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
         /// Which: 3.4, 3.5, 3.6, 3.7, 3.8, 3.10; none means all.
@@ -209,6 +223,7 @@ impl Command {
             | Self::Binary { common, .. }
             | Self::Compare { common, .. }
             | Self::Figures { common, .. }
+            | Self::Mincut { common, .. }
             | Self::Style { action: StyleAction::List { common, .. } } => Some(common),
             Self::Style { .. } | Self::Completions { .. } | Self::Man => None,
         }

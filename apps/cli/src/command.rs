@@ -6,7 +6,7 @@ use chiaro::film::Target;
 use chiaro::project::Project;
 use chiaro::record::Record;
 use chiaro::style::{self, Style};
-use chiaro::{compare, demo, figures, gbuffer, info};
+use chiaro::{compare, demo, figures, gbuffer, info, mincut};
 use chiaro_basis::{Error, Result, Run};
 use chiaro_image::colour::parse_colour;
 use clap::CommandFactory;
@@ -44,6 +44,9 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             job.run(run).map(Some)
         }
         Command::Compare { a, b, .. } => compare::compare(a, b, run).map(Some),
+        Command::Mincut { file, output, verify, .. } => {
+            mincut::Job { file, output: output.clone(), verify: *verify }.run(run).map(Some)
+        }
         Command::Figures { names, output, .. } => figures::figures(names, output, run).map(Some),
         Command::Style { action: StyleAction::List { output, .. } } => list_styles(output, run),
         Command::Style { action: StyleAction::Show { name } } => {
@@ -120,6 +123,7 @@ pub(crate) fn summary(command: &Command, record: &Record) -> String {
     let quiet = command.common().is_some_and(|c| c.quiet);
     match command {
         Command::Info { .. } => info::text(record),
+        Command::Mincut { .. } => mincut::text(record),
         Command::Compare { .. } => {
             record.counts.iter().map(|(name, value)| format!("{name:<18} {value}\n")).collect()
         }

@@ -257,3 +257,25 @@ fn the_graph_is_dumped_as_arrays_of_the_pictures_shape() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("cube.obj: is a file"), "{}", stderr(&output));
 }
+
+#[test]
+fn a_maximum_flow_problem_is_solved_checked_and_written() {
+    let dir = folder();
+    let text = "p max 4 5\nn 1 s\nn 4 t\na 1 2 7\na 1 3 2\na 2 3 3\na 2 4 4\na 3 4 9\n";
+    std::fs::write(dir.path().join("a.max"), text).unwrap();
+    let args = ["mincut", "a.max", "--verify", "-q", "-o", "a.sol", "--json", "a.json"];
+    let output = chiaro(dir.path(), &args);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("flow     9\ncut      9\ntime"), "{said}");
+    let solution = std::fs::read_to_string(dir.path().join("a.sol")).unwrap();
+    assert!(solution.starts_with("s 9\nf 1 2 7\n"), "{solution}");
+    let record = std::fs::read(dir.path().join("a.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+    assert_eq!(record["counts"]["flow"], 9);
+    assert_eq!(record["counts"]["verified"], true);
+    std::fs::write(dir.path().join("b.max"), text.replace("a 1 3 2", "a 1 9 2")).unwrap();
+    let output = chiaro(dir.path(), &["mincut", "b.max", "-q"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("b.max: line 5: "), "{}", stderr(&output));
+}

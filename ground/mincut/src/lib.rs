@@ -42,6 +42,9 @@
 //! # Ok::<(), chiaro_mincut::GridError>(())
 //! ```
 //!
+//! [`solve_graph`] does the same on any graph; [`read_dimacs`] reads problems that others state, and
+//! [`verify`] proves a solution from the problem alone.
+//!
 //! Guaranteed: the cut is minimal, `flow == cut`, and among several minimal cuts the result is the
 //! canonical one, whose white pixels are exactly those the white terminal still reaches in the
 //! residual graph. That set is the same for every maximal flow, so any other exact solver with the
@@ -51,7 +54,9 @@
 
 mod around;
 mod capacity;
+mod certificate;
 mod chain;
+mod dimacs;
 mod grid;
 mod lattice;
 mod network;
@@ -62,15 +67,19 @@ mod residual;
 mod search;
 mod solver;
 mod stencil;
+mod sparse;
 
 use capacity::Capacity;
 use planes::Planes;
 use residual::Residual;
 use search::Search;
 
+pub use certificate::{Flaw, verify};
+pub use dimacs::{DimacsError, MaxFlow, MaxFlowSolution, read_dimacs};
 pub use grid::{Grid, GridError, MAX_NEIGHBOUR, MAX_PIXELS, energy};
 pub use lattice::{LINK_STEPS, Lattice, Links, Neighbours, TimeLink};
 pub use solver::Solver;
+pub use sparse::{Edge, Graph, GraphCut, GraphError, MAX_EDGES, MAX_FLOW, MAX_NODES, solve_graph};
 
 /// The canonical minimal cut of a [`Grid`].
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! The slow, obvious oracle: shortest augmenting paths one by one over an adjacency list.
 
-use chiaro_mincut::{Lattice, Links, Neighbours};
+use chiaro_mincut::{Graph, Lattice, Links, Neighbours};
 use std::collections::VecDeque;
 
 struct Network {
@@ -47,12 +47,25 @@ impl Network {
         }
         amount
     }
+
+    /// Saturates all paths between the two nodes after the first `nodes`; who is still reached.
+    fn cut(&mut self, nodes: usize) -> (Vec<bool>, i64) {
+        let mut flow = 0;
+        loop {
+            let via = self.reach(nodes);
+            if via[nodes + 1].is_none() {
+                return (via[..nodes].iter().map(Option::is_some).collect(), flow);
+            }
+            flow += self.augment(&via, nodes + 1);
+        }
+    }
 }
 
 /// What stands for "whatever it costs": more than all capacities of a small problem.
 const FIXED: i64 = 1 << 50;
 
 /// The canonical labels and the maximal flow of `lattice`.
+#[allow(dead_code, reason = "each test has its own copy of the oracle")]
 pub(crate) fn solve(lattice: &Lattice) -> (Vec<bool>, i64) {
     let (width, height) = (lattice.width as isize, lattice.height as isize);
     let pixels = lattice.width * lattice.height * lattice.frames;
@@ -92,14 +105,25 @@ pub(crate) fn solve(lattice: &Lattice) -> (Vec<bool>, i64) {
             }
         }
     }
-    let mut flow = unavoidable;
-    loop {
-        let via = network.reach(white);
-        if via[black].is_none() {
-            return (via[..pixels].iter().map(Option::is_some).collect(), flow);
-        }
-        flow += network.augment(&via, black);
+    let (labels, flow) = network.cut(pixels);
+    (labels, flow + unavoidable)
+}
+
+/// The canonical labels and the maximal flow of `graph`.
+#[allow(dead_code, reason = "each test has its own copy of the oracle")]
+pub(crate) fn solve_graph(graph: &Graph) -> (Vec<bool>, i64) {
+    let nodes = graph.terminal.len();
+    let mut network = Network { arcs: Vec::new(), from: vec![Vec::new(); nodes + 2] };
+    for (v, &[white, black]) in graph.terminal.iter().enumerate() {
+        network.connect(nodes, v, white, 0);
+        network.connect(v, nodes + 1, black, 0);
     }
+    for edge in &graph.edges {
+        let [a, b] = edge.ends.map(|v| v as usize);
+        network.connect(a, b, edge.forth, 0);
+        network.connect(b, a, edge.back, 0);
+    }
+    network.cut(nodes)
 }
 
 fn capacity(neighbours: &Neighbours, i: usize, link: usize) -> [i32; 2] {
