@@ -44,6 +44,8 @@
 //!
 //! [`solve_graph`] does the same on any graph; [`read_dimacs`] reads problems that others state, and
 //! [`verify`] proves a solution from the problem alone.
+//! [`Family`] holds the cuts for every shift of the terminals; [`solve_ordered`] and [`expand`] give
+//! pixels one of several labels.
 //!
 //! Guaranteed: the cut is minimal, `flow == cut`, and among several minimal cuts the result is the
 //! canonical one, whose white pixels are exactly those the white terminal still reaches in the
@@ -57,7 +59,9 @@ mod capacity;
 mod certificate;
 mod chain;
 mod dimacs;
+mod family;
 mod grid;
+mod labels;
 mod lattice;
 mod network;
 mod orphans;
@@ -66,8 +70,8 @@ mod repair;
 mod residual;
 mod search;
 mod solver;
-mod stencil;
 mod sparse;
+mod stencil;
 
 use capacity::Capacity;
 use planes::Planes;
@@ -76,7 +80,12 @@ use search::Search;
 
 pub use certificate::{Flaw, verify};
 pub use dimacs::{DimacsError, MaxFlow, MaxFlowSolution, read_dimacs};
+pub use family::Family;
 pub use grid::{Grid, GridError, MAX_NEIGHBOUR, MAX_PIXELS, energy};
+pub use labels::{
+    Distance, Expansion, LabelError, LabelGrid, Labelling, MAX_LABELS, MAX_PRICE, expand,
+    solve_ordered,
+};
 pub use lattice::{LINK_STEPS, Lattice, Links, Neighbours, TimeLink};
 pub use solver::Solver;
 pub use sparse::{Edge, Graph, GraphCut, GraphError, MAX_EDGES, MAX_FLOW, MAX_NODES, solve_graph};

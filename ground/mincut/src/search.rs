@@ -92,7 +92,8 @@ impl<N: Network> Search<N> {
     /// Forgets the trees, not the flow.
     pub(crate) fn restart(&mut self) {
         let excess = (0..self.network.len()).map(|v| self.network.excess(v));
-        self.left = excess.clone().map(|e| e.max(0)).sum();
+        // Only networks that bound their sum of excess rely on it.
+        self.left = excess.clone().fold(0, |sum, e| sum.saturating_add(e.max(0)));
         self.label.clear();
         self.label.extend(excess.map(|e| N::Label::of(e.signum() as i32)));
         self.parent.clear();

@@ -1,17 +1,16 @@
 //! General sparse graphs: the problem, its solution, and the search.
 //!
-//! [`Graph`] states it, [`residual`] lays it out as arcs sorted by tail, [`search`] is the same
-//! search as on grids. Everything is an `i64`; what could not fit is refused or, where no cut can
-//! tell the difference, cut down first.
+//! [`Graph`] states it, [`residual`] lays it out as arcs sorted by tail, on which the search is the
+//! same as on grids. Everything is an `i64`; what could not fit is refused or, where no cut can tell
+//! the difference, cut down first.
 
 mod graph;
 mod residual;
-mod search;
 
 pub use graph::{Edge, Graph, GraphError, MAX_EDGES, MAX_FLOW, MAX_NODES};
 
+use crate::search::Search;
 use residual::Residual;
-use search::Search;
 
 /// The canonical minimal cut of a [`Graph`], and a maximal flow as its proof.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,9 +49,9 @@ pub struct GraphCut {
 pub fn solve_graph(graph: &Graph) -> Result<GraphCut, GraphError> {
     let bound = graph.check()?;
     let mut search = Search::new(Residual::new(graph, bound));
-    search.run();
-    let labels = search.labels();
-    let residual = search.residual();
+    search.run().expect("distances are at most twice the number of nodes");
+    let labels: Vec<bool> = (0..graph.terminal.len()).map(|v| search.is_white(v)).collect();
+    let residual = &search.network;
     let terminal_flow = residual.terminal_flow(graph, bound);
     let edge_flow = residual.edge_flow(graph, bound);
     let flow = terminal_flow.iter().map(|&[white, _]| white).sum();

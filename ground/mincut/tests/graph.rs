@@ -56,7 +56,7 @@ fn long_and_wide_graphs_match_the_oracle() {
     for (seed, nodes, reach) in [(1, 900, 3), (2, 900, 30), (3, 600, 600), (4, 3000, 2)] {
         let mut graph = Graph::new(nodes);
         for v in 0..nodes {
-            if noise(v, seed) % 7 == 0 {
+            if noise(v, seed).is_multiple_of(7) {
                 graph.terminal[v][noise(v, seed + 9) % 2] = (noise(v, seed + 10) % 90) as i64;
             }
             for k in 0..3 {
