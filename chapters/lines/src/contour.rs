@@ -1,0 +1,186 @@
+//! Chains of a zero set to paths: places in space, the push against false hiding, and the
+//! convexity sign.
+//!
+//! 1. *Convexity*: on a crossed face, take grad g . (C - p), g linear on the face. Where it is
+//!    negative the silhouette lies on the concave side of a fold and is never seen. A crease's strip
+//!    takes the sign of the dihedral angle instead.
+//! 2. *Push*: visibility is asked from p + h n, h = 0.3 max |(p_j - p_i) . n_i| over the one-rings of
+//!    the face's vertices: half of the faces that a silhouette crosses turn away from the camera,
+//!    and would hide it.
+
+use crate::path::{Kind, Path, Point, Segment};
+use crate::posed::Posed;
+use crate::slice::{Chain, Crossing, Slice};
+use crate::surface::{NONE, Ring, Surface, previous};
+use crate::view::View;
+use chiaro_basis::math::DVec3;
+
+/// Share of the sag of a one-ring by which points are pushed out.
+const PUSH: f64 = 0.3;
+
+/// All that paths are made from, in one frame.
+pub struct Scenery<'a> {
+    /// The surface.
+    pub surface: &'a Surface,
+    /// Its pose.
+    pub posed: &'a Posed,
+    /// Positions one frame later, if there is one.
+    pub next: Option<&'a [DVec3]>,
+    /// The camera.
+    pub view: &'a View,
+    /// How often normals were smoothed.
+    pub passes: u32,
+    /// Pixels outside the picture where lines end.
+    pub margin: f64,
+}
+
+impl Scenery<'_> {
+    /// The paths of the silhouettes, g given at the vertices.
+    pub fn silhouettes(&self, slice: &Slice, g: &[f64]) -> Vec<Path> {
+        let mut sags = Sags::new(self);
+        let chains = slice.chains.iter().enumerate();
+        chains.map(|(i, chain)| self.silhouette(i as u32, chain, slice, g, &mut sags)).collect()
+    }
+
+    fn silhouette(
+        &self,
+        index: u32,
+        chain: &Chain,
+        slice: &Slice,
+        g: &[f64],
+        sags: &mut Sags<'_>,
+    ) -> Path {
+        let crossings = chain.of(slice);
+        let mut points: Vec<Point> = Vec::with_capacity(crossings.len() + 1);
+        let mut segments: Vec<Segment> = Vec::with_capacity(crossings.len());
+        let around = crossings.iter().take(usize::from(chain.closed));
+        for (k, crossing) in crossings.iter().chain(around).enumerate() {
+            let point = self.crossing(crossing, k as f64, sags);
+            if let Some(last) = points.last() {
+                // Across a strip a silhouette stands still for a moment.
+                if last.world.distance_squared(point.world) == 0.0 {
+                    if k == crossings.len() {
+                        points.last_mut().expect("it has one").on_chain = k as f64;
+                    }
+                    continue;
+                }
+                segments.push(self.segment(crossings[k - 1].face, g, last.world));
+            }
+            points.push(point);
+        }
+        Path::new(Kind::Silhouette, index, chain.closed, &points, &segments, self.view, self.margin)
+    }
+
+    fn crossing(&self, c: &Crossing, on_chain: f64, sags: &mut Sags<'_>) -> Point {
+        let [a, b] = self.surface.ends(c.edge).map(|v| v as usize);
+        let mix = |v: &[DVec3]| v[a].lerp(v[b], c.at);
+        let world = mix(&self.posed.positions);
+        let normal = mix(&self.posed.normals).normalize_or_zero();
+        let sag = sags.of(a as u32).max(sags.of(b as u32));
+        let pushed = world + normal * (PUSH * sag);
+        Point { world, next: self.next.map(mix), pushed, on_chain }
+    }
+
+    fn segment(&self, face: u32, g: &[f64], at: DVec3) -> Segment {
+        if self.surface.is_strip(face as usize) {
+            return self.strip_segment(face);
+        }
+        let corners = self.surface.faces[face as usize];
+        let [a, b, c] = corners.map(|v| self.posed.positions[v as usize]);
+        let values = corners.map(|v| g[v as usize]);
+        let normal = (b - a).cross(c - a);
+        // grad g, up to the positive factor |normal|^2.
+        let gradient = normal.cross(c - b) * values[0]
+            + normal.cross(a - c) * values[1]
+            + normal.cross(b - a) * values[2];
+        let buried = gradient.dot(self.view.to_eye(at)) < 0.0;
+        Segment { own: [face, NONE], buried }
+    }
+
+    /// A segment along a crease: seen on the outside of a convex edge alone.
+    fn strip_segment(&self, face: u32) -> Segment {
+        let sides = |h: u32| {
+            let mate = self.surface.mate[h as usize];
+            (mate != NONE && !self.surface.is_strip(mate as usize / 3)).then_some(mate)
+        };
+        let real: Vec<u32> = (3 * face..3 * face + 3).filter_map(sides).collect();
+        // The other side of a strip of two triangles lies behind its diagonal.
+        let across = |h: u32| {
+            let mate = self.surface.mate[h as usize];
+            (mate != NONE && self.surface.is_strip(mate as usize / 3)).then_some(mate / 3)
+        };
+        let other = || {
+            let neighbours = (3 * face..3 * face + 3).filter_map(across);
+            let halves = neighbours.flat_map(|f| (3 * f..3 * f + 3).filter_map(sides));
+            let mine = *real.first()?;
+            let far = |h: &u32| self.is_same_edge(*h, mine);
+            halves.filter(|h| far(h)).last()
+        };
+        let pair = match real[..] {
+            [l, r] => Some((l, r)),
+            [l] => other().map(|r| (l, r)),
+            _ => None,
+        };
+        match pair {
+            Some((l, r)) => Segment { own: [l / 3, r / 3], buried: !self.is_convex(l, r) },
+            None => Segment { own: [NONE; 2], buried: true },
+        }
+    }
+
+    /// Whether two half-edges run between the same places, one the other way.
+    fn is_same_edge(&self, h: u32, k: u32) -> bool {
+        let anchor = |v: u32| self.surface.anchors[v as usize];
+        anchor(self.surface.from(h)) == anchor(self.surface.to(k))
+            && anchor(self.surface.to(h)) == anchor(self.surface.from(k))
+    }
+
+    /// Whether the surface bends away from the viewer over the edge between two half-edges.
+    pub fn is_convex(&self, left: u32, right: u32) -> bool {
+        let normal = self.posed.face_normals[left as usize / 3];
+        let apex = self.posed.positions[self.surface.from(previous(right)) as usize];
+        (apex - self.posed.positions[self.surface.from(left) as usize]).dot(normal) < 0.0
+    }
+}
+
+/// How far the surface leaves the tangent planes around vertices; found when asked for.
+struct Sags<'a> {
+    scenery: &'a Scenery<'a>,
+    known: Vec<f64>,
+    ring: Ring,
+}
+
+impl<'a> Sags<'a> {
+    fn new(scenery: &'a Scenery<'a>) -> Self {
+        let known = vec![f64::NAN; scenery.surface.anchors.len()];
+        Self { scenery, known, ring: Ring::default() }
+    }
+
+    /// The greatest within `passes` rings.
+    fn of(&mut self, vertex: u32) -> f64 {
+        self.within(vertex, self.scenery.passes)
+    }
+
+    fn within(&mut self, vertex: u32, rings: u32) -> f64 {
+        let here = self.own(vertex);
+        if rings == 0 {
+            return here;
+        }
+        let mut ring = Ring::default();
+        ring.walk(self.scenery.surface, vertex);
+        ring.around.iter().map(|&v| self.within(v, rings - 1)).fold(here, f64::max)
+    }
+
+    fn own(&mut self, vertex: u32) -> f64 {
+        let known = self.known[vertex as usize];
+        if !known.is_nan() {
+            return known;
+        }
+        let posed = self.scenery.posed;
+        self.ring.walk(self.scenery.surface, vertex);
+        let (p, n) = (posed.positions[vertex as usize], posed.normals[vertex as usize]);
+        let sag = |v: &u32| (posed.positions[*v as usize] - p).dot(n).abs();
+        let most = self.ring.around.iter().map(sag).fold(0.0, f64::max);
+        self.known[vertex as usize] = most;
+        most
+    }
+}

@@ -1,0 +1,93 @@
+//! The lines of one frame: from a surface, a pose and a camera to strokes.
+
+use crate::contour::Scenery;
+use crate::feature::Features;
+use crate::knob::LinesKnobs;
+use crate::path::{Kind, Path};
+use crate::posed::Posed;
+use crate::sight::Sight;
+use crate::slice::Slice;
+use crate::stroke::Stroke;
+use crate::surface::Surface;
+use crate::view::View;
+use crate::visibility::{Limits, Visible, visible};
+use chiaro_basis::math::DVec3;
+
+/// What the frames of a shot share.
+pub struct Stage<'a> {
+    /// The surface.
+    pub surface: &'a Surface,
+    /// Its edge lines.
+    pub features: &'a Features,
+    /// The knobs.
+    pub knobs: &'a LinesKnobs,
+}
+
+/// A frame in the course of a film.
+pub struct Moment<'a> {
+    /// The surface's pose.
+    pub posed: &'a Posed,
+    /// The camera.
+    pub view: &'a View,
+    /// Positions and camera one frame later.
+    pub next: Option<(&'a [DVec3], &'a View)>,
+}
+
+/// The lines of one frame, with everything on the way to them.
+#[derive(Clone, Debug, Default)]
+pub struct Lines {
+    /// g at the vertices.
+    pub g: Vec<f64>,
+    /// Its zero set: all silhouettes, hidden ones too.
+    pub slice: Slice,
+    /// All lines of all kinds, hidden ones too.
+    pub paths: Vec<Path>,
+    /// What is seen of them.
+    pub visible: Visible,
+    /// The visible runs as strokes.
+    pub strokes: Vec<Stroke>,
+}
+
+impl Lines {
+    /// Finds the lines of a frame.
+    pub fn find(stage: &Stage<'_>, moment: &Moment<'_>) -> Self {
+        let Stage { surface, features, knobs } = *stage;
+        let view = moment.view;
+        let scenery = Scenery {
+            surface,
+            posed: moment.posed,
+            next: moment.next.map(|n| n.0),
+            view,
+            passes: knobs.smooth_normals,
+            margin: f64::from(knobs.width),
+        };
+        let g = moment.posed.facing(view);
+        let slice = Slice::of(surface, &g);
+        let mut paths = features.paths(&scenery, &g);
+        paths.extend(scenery.silhouettes(&slice, &g));
+        paths.retain(|p| p.total() > 0.0);
+        let sight = Sight::new(surface, moment.posed, view, |face, front| {
+            let source = &surface.sources[face];
+            source.opaque && (source.two_sided || front != source.turned)
+        });
+        let limits = Limits { gap: f64::from(knobs.bridge), run: f64::from(knobs.shortest) };
+        let visible = visible(&paths, &sight, view, &limits);
+        let mut strokes = Vec::new();
+        for (path, runs) in paths.iter().zip(&visible.runs).filter(|(p, _)| is_drawn(p.kind, knobs)) {
+            let next_view = moment.next.map(|n| n.1);
+            let step = f64::from(knobs.step);
+            strokes.extend(runs.iter().map(|&r| Stroke::of(path, r, step, view, next_view)));
+        }
+        strokes.retain(|s| s.samples.len() > 1);
+        Self { g, slice, paths, visible, strokes }
+    }
+}
+
+fn is_drawn(kind: Kind, knobs: &LinesKnobs) -> bool {
+    match kind {
+        Kind::Silhouette => knobs.silhouette,
+        Kind::Crease => knobs.crease,
+        Kind::Border => knobs.border,
+        Kind::Material => knobs.material,
+    }
+}

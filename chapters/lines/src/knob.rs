@@ -1,0 +1,25 @@
+//! The knobs of animated lines: the one table.
+//!
+//! Lengths are in pixels of the picture that is drawn, whatever its size, unless said otherwise:
+//! a pen does not grow with the paper.
+
+use chiaro_basis::knobs;
+
+knobs! {
+    /// Which lines are found, and how they are tracked.
+    pub struct LinesKnobs {
+        silhouette: bool = true, Switch, "n . V = 0 (4.5.2)", "", "silhouettes";
+        crease: bool = true, Switch, "", "", "sharp edges";
+        border: bool = true, Switch, "", "", "where a surface ends";
+        material: bool = true, Switch, "", "", "borders between materials";
+
+        crease_angle: f32 = 40.0, Number { min: 1.0, max: 180.0 }, "", "degrees", "least bend of a sharp edge that the file shades hard";
+        smooth_crease_angle: f32 = 75.0, Number { min: 1.0, max: 180.0 }, "", "degrees", "least bend of a sharp edge that the file shades smooth";
+        smooth_normals: u32 = 0, Count { min: 0, max: 4 }, "K", "passes", "one-ring means of the normals of silhouettes, for scans";
+
+        step: f32 = 3.0, Number { min: 0.5, max: 20.0 }, "ds", "px", "distance of a stroke's samples";
+        bridge: f32 = 4.0, Number { min: 0.0, max: 100.0 }, "", "px", "hidden gaps below this are bridged";
+        shortest: f32 = 6.0, Number { min: 0.0, max: 500.0 }, "", "px", "visible runs below this are dropped";
+        width: f32 = 2.0, Number { min: 0.1, max: 100.0 }, "", "px", "width of strokes";
+    }
+}

@@ -1,0 +1,26 @@
+//! Animated lines (thesis, chapter 4): every silhouette, crease and border of a film, with identity.
+
+pub mod contour;
+mod extract;
+mod feature;
+mod knob;
+mod path;
+mod posed;
+mod sight;
+mod slice;
+mod stroke;
+pub mod surface;
+mod view;
+mod visibility;
+
+pub use extract::{Lines, Moment, Stage};
+pub use feature::{FeatureChain, Features};
+pub use knob::LinesKnobs;
+pub use path::{Kind, Path, Place, Point, Segment};
+pub use posed::{Posed, positions};
+pub use sight::Sight;
+pub use slice::{Chain, Crossing, Slice};
+pub use stroke::{Sample, Stroke};
+pub use surface::{CreaseRule, Surface};
+pub use view::{Seen, View};
+pub use visibility::{Limits, Run as VisibleRun, Visible, visible};

@@ -1,0 +1,208 @@
+//! [`Path`]: a line of one frame in space and in the picture, before anything is known of what
+//! hides it.
+
+use crate::view::{Seen, View};
+use chiaro_basis::math::DVec3;
+
+/// What kind of line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// Where the surface turns away from the camera.
+    Silhouette,
+    /// A sharp edge, seen from its front on both sides.
+    Crease,
+    /// Where the surface ends.
+    Border,
+    /// Between two materials.
+    Material,
+}
+
+impl Kind {
+    /// All kinds, in the order in which they are drawn.
+    pub const ALL: [Self; 4] = [Self::Material, Self::Crease, Self::Border, Self::Silhouette];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Silhouette => "silhouette",
+            Self::Crease => "crease",
+            Self::Border => "border",
+            Self::Material => "material",
+        }
+    }
+
+    /// Whether such a line can stand in front of another.
+    pub fn occludes(self) -> bool {
+        matches!(self, Self::Silhouette | Self::Border)
+    }
+}
+
+/// A point of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// In world space.
+    pub world: DVec3,
+    /// The same material point one frame later, in world space.
+    pub next: Option<DVec3>,
+    /// From where visibility is asked: pushed out of the surface a little.
+    pub pushed: DVec3,
+    /// Where on its chain: index of a crossing or vertex, and the share of the way to the next.
+    pub on_chain: f64,
+}
+
+/// What lies between a point and the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Faces that do not hide it: its own.
+    pub own: [u32; 2],
+    /// Never visible, whatever is in front.
+    pub buried: bool,
+}
+
+/// A line of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// Its kind.
+    pub kind: Kind,
+    /// Which chain of its kind.
+    pub chain: u32,
+    /// Whether the last point is joined to the first; the first is then repeated at the end.
+    pub closed: bool,
+    /// Its points.
+    pub points: Vec<Point>,
+    /// Where each point is in the picture; `None` behind the camera.
+    pub seen: Vec<Option<Seen>>,
+    /// One less than points.
+    pub segments: Vec<Segment>,
+    /// Picture length from the first point to each, pixels; segments that are not inside the
+    /// picture have none.
+    pub length: Vec<f64>,
+}
+
+/// A position on a path: index of a segment, and the share of it.
+pub type Place = f64;
+
+impl Path {
+    /// A path through `points` (the first repeated at the end if it is closed); segments are cut at
+    /// the picture's edge, `margin` pixels outside of it.
+    pub fn new(
+        kind: Kind,
+        chain: u32,
+        closed: bool,
+        points: &[Point],
+        segments: &[Segment],
+        view: &View,
+        margin: f64,
+    ) -> Self {
+        let mut path = Self {
+            kind,
+            chain,
+            closed,
+            points: Vec::with_capacity(points.len()),
+            seen: Vec::with_capacity(points.len()),
+            segments: Vec::with_capacity(segments.len()),
+            length: Vec::with_capacity(points.len()),
+        };
+        let Some(first) = points.first() else { return path };
+        path.put(*first, view);
+        for (pair, segment) in points.windows(2).zip(segments) {
+            path.run(pair[0], pair[1], *segment, view, margin);
+        }
+        path
+    }
+
+    fn put(&mut self, point: Point, view: &View) {
+        self.seen.push(view.see(point.world));
+        self.points.push(point);
+        self.length.push(self.length.last().copied().unwrap_or(0.0));
+    }
+
+    /// Adds the segment from `a`, which is there already, to `b`.
+    fn run(&mut self, a: Point, b: Point, segment: Segment, view: &View, margin: f64) {
+        let outside = Segment { buried: true, ..segment };
+        let Some([t0, t1]) = inside(a.world, b.world, view, margin) else {
+            self.segments.push(outside);
+            self.put(b, view);
+            return;
+        };
+        if t0 > 0.0 {
+            self.segments.push(outside);
+            self.put(Point::mix(&a, &b, t0), view);
+        }
+        self.segments.push(segment);
+        self.put(if t1 < 1.0 { Point::mix(&a, &b, t1) } else { b }, view);
+        let n = self.points.len();
+        if let (Some(p), Some(q)) = (self.seen[n - 2], self.seen[n - 1]) {
+            self.length[n - 1] += p.at.distance(q.at);
+        }
+        if t1 < 1.0 {
+            self.segments.push(outside);
+            self.put(b, view);
+        }
+    }
+
+    /// Its picture length in pixels.
+    pub fn total(&self) -> f64 {
+        self.length.last().copied().unwrap_or(0.0)
+    }
+
+    /// The point at a place.
+    pub fn point(&self, place: Place) -> Point {
+        let k = (place.max(0.0) as usize).min(self.segments.len().saturating_sub(1));
+        match self.points.get(k + 1) {
+            Some(next) => Point::mix(&self.points[k], next, place - k as f64),
+            None => self.points[k],
+        }
+    }
+
+    /// The picture length up to a place.
+    pub fn length_at(&self, place: Place) -> f64 {
+        let k = (place.max(0.0) as usize).min(self.segments.len().saturating_sub(1));
+        let (a, b) = (self.length[k], self.length[(k + 1).min(self.length.len() - 1)]);
+        a + (b - a) * (place - k as f64)
+    }
+
+    /// The place at a picture length.
+    pub fn place_at(&self, length: f64) -> Place {
+        let k = self.length.partition_point(|l| *l <= length).clamp(1, self.length.len().max(2) - 1);
+        let (a, b) = (self.length[k - 1], self.length[k]);
+        let t = if b > a { ((length - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
+        (k - 1) as f64 + t
+    }
+}
+
+impl Point {
+    /// The point a share `t` of the way from `a` to `b`.
+    pub fn mix(a: &Self, b: &Self, t: f64) -> Self {
+        Self {
+            world: a.world.lerp(b.world, t),
+            next: a.next.zip(b.next).map(|(p, q)| p.lerp(q, t)),
+            pushed: a.pushed.lerp(b.pushed, t),
+            on_chain: a.on_chain + (b.on_chain - a.on_chain) * t,
+        }
+    }
+}
+
+/// The part of a segment that falls inside the picture, as shares of it (Liang and Barsky 1984, in
+/// homogeneous coordinates).
+fn inside(a: DVec3, b: DVec3, view: &View, margin: f64) -> Option<[f64; 2]> {
+    let near = f64::from(view.pose.near).max(1e-9) * (1.0 + 1e-6);
+    let (w, h) = (view.size.0 as f64 + margin, view.size.1 as f64 + margin);
+    let distances = |p: DVec3| {
+        let [x, y, s, z] = view.homogeneous(p);
+        [z - near, x + margin * s, w * s - x, y + margin * s, h * s - y]
+    };
+    let (da, db) = (distances(a), distances(b));
+    let (mut t0, mut t1) = (0.0f64, 1.0f64);
+    for (p, q) in da.into_iter().zip(db) {
+        if p < 0.0 && q < 0.0 {
+            return None;
+        }
+        if p < 0.0 {
+            t0 = t0.max(p / (p - q));
+        } else if q < 0.0 {
+            t1 = t1.min(p / (p - q));
+        }
+    }
+    (t0 < t1).then_some([t0, t1])
+}

@@ -1,0 +1,141 @@
+//! [`Sight`]: what hides a point, answered without rays.
+//!
+//! Every ray of visibility ends in the eye, so the picture itself is the index: faces are sorted
+//! into square tiles of it, and a point is compared with the faces of its tile alone. Faces are
+//! crossed in homogeneous coordinates, so that those that reach behind the camera need no clipping.
+
+use crate::posed::Posed;
+use crate::surface::Surface;
+use crate::view::View;
+use chiaro_basis::math::DVec2;
+
+/// Side of a tile in pixels.
+const TILE: f64 = 8.0;
+
+/// Faces of one frame, sorted into tiles.
+pub struct Sight<'a> {
+    surface: &'a Surface,
+    /// Homogeneous picture coordinates and depth of every vertex.
+    vertices: Vec<[f64; 4]>,
+    columns: usize,
+    rows: usize,
+    start: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl<'a> Sight<'a> {
+    /// Sorts the faces that `hides` admits. `hides(face, front)`: whether a face that shows its
+    /// front or its back to the camera hides what is behind.
+    pub fn new(
+        surface: &'a Surface,
+        posed: &Posed,
+        view: &View,
+        hides: impl Fn(usize, bool) -> bool,
+    ) -> Self {
+        let vertices: Vec<[f64; 4]> =
+            posed.positions.iter().map(|p| view.homogeneous(*p)).collect();
+        let near = f64::from(view.pose.near).max(1e-9);
+        let (columns, rows) = (tiles(view.size.0), tiles(view.size.1));
+        let mut spans = Vec::new();
+        let mut start = vec![0u32; columns * rows + 1];
+        for (f, face) in surface.faces[..surface.real_faces].iter().enumerate() {
+            let corners = face.map(|v| vertices[v as usize]);
+            let Some(front) = shows_front(&corners) else { continue };
+            if !hides(f, front) {
+                continue;
+            }
+            let Some(span) = span(&corners, near, columns, rows) else { continue };
+            spans.push((f as u32, span));
+            for_tiles(span, columns, |t| start[t + 1] += 1);
+        }
+        for t in 0..columns * rows {
+            start[t + 1] += start[t];
+        }
+        let mut at = start.clone();
+        let mut faces = vec![0; start[columns * rows] as usize];
+        for (f, span) in spans {
+            for_tiles(span, columns, |t| {
+                faces[at[t] as usize] = f;
+                at[t] += 1;
+            });
+        }
+        Self { surface, vertices, columns, rows, start, faces }
+    }
+
+    /// Whether some face other than `own` hides what is at a picture position, at least `slack`
+    /// (scene units) nearer than `depth`. Outside the picture nothing is hidden.
+    pub fn hidden(&self, at: DVec2, depth: f64, slack: f64, own: &[u32]) -> bool {
+        let (tx, ty) = ((at.x / TILE).floor(), (at.y / TILE).floor());
+        if !(tx >= 0.0 && ty >= 0.0 && tx < self.columns as f64 && ty < self.rows as f64) {
+            return false;
+        }
+        let tile = ty as usize * self.columns + tx as usize;
+        let faces = &self.faces[self.start[tile] as usize..self.start[tile + 1] as usize];
+        faces.iter().any(|f| {
+            !own.contains(f) && self.depth(*f, at).is_some_and(|z| z > 0.0 && z < depth - slack)
+        })
+    }
+
+    /// The depth at which a face covers a picture position.
+    fn depth(&self, face: u32, at: DVec2) -> Option<f64> {
+        let corners = self.surface.faces[face as usize].map(|v| self.vertices[v as usize]);
+        let local = corners.map(|[x, y, w, _]| [x - at.x * w, y - at.y * w]);
+        let side = |i: usize, j: usize| local[i][0] * local[j][1] - local[i][1] * local[j][0];
+        let weights = [side(1, 2), side(2, 0), side(0, 1)];
+        let inside = weights.iter().all(|w| *w >= 0.0) || weights.iter().all(|w| *w <= 0.0);
+        let sum: f64 = weights.iter().sum();
+        if !inside || sum == 0.0 {
+            return None;
+        }
+        Some((0..3).map(|i| weights[i] * corners[i][3]).sum::<f64>() / sum)
+    }
+}
+
+fn tiles(pixels: usize) -> usize {
+    ((pixels as f64 / TILE).ceil() as usize).max(1)
+}
+
+/// Whether a face shows its front (its corners turn counter-clockwise on paper, y down); `None`
+/// edge-on.
+pub(crate) fn shows_front(c: &[[f64; 4]; 3]) -> Option<bool> {
+    let [a, b, d] = [0, 1, 2].map(|i| [c[i][0], c[i][1], c[i][2]]);
+    let det = a[0] * (b[1] * d[2] - b[2] * d[1]) - a[1] * (b[0] * d[2] - b[2] * d[0])
+        + a[2] * (b[0] * d[1] - b[1] * d[0]);
+    (det != 0.0).then_some(det < 0.0)
+}
+
+/// First and last column and row of the tiles that a face may cover.
+type Span = [u32; 4];
+
+fn span(corners: &[[f64; 4]; 3], near: f64, columns: usize, rows: usize) -> Option<Span> {
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let mut take = |x: f64, y: f64, w: f64| {
+        let p = DVec2::new(x / w, y / w);
+        low = low.min(p);
+        high = high.max(p);
+    };
+    for i in 0..3 {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        if a[3] > near {
+            take(a[0], a[1], a[2]);
+        }
+        if (a[3] > near) != (b[3] > near) {
+            let t = (near - a[3]) / (b[3] - a[3]);
+            let mix = |k: usize| a[k] + (b[k] - a[k]) * t;
+            take(mix(0), mix(1), mix(2));
+        }
+    }
+    let (w, h) = (columns as f64, rows as f64);
+    let (low, high) = ((low / TILE).floor(), (high / TILE).floor());
+    let outside = !(low.x < w && low.y < h && high.x >= 0.0 && high.y >= 0.0);
+    let clamp = |v: f64, most: f64| v.clamp(0.0, most - 1.0) as u32;
+    (!outside).then(|| [clamp(low.x, w), clamp(low.y, h), clamp(high.x, w), clamp(high.y, h)])
+}
+
+fn for_tiles([x0, y0, x1, y1]: Span, columns: usize, mut each: impl FnMut(usize)) {
+    for y in y0..=y1 {
+        for x in x0..=x1 {
+            each(y as usize * columns + x as usize);
+        }
+    }
+}

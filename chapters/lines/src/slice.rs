@@ -1,0 +1,127 @@
+//! [`Slice`]: the zero set of a function on a surface, as chains of crossed edges.
+//!
+//! A vertex is positive where the function is >= 0, so that every vertex has a side. An edge is
+//! crossed when its ends differ; a face with both signs joins two crossed edges. Chains run with
+//! the positive side on the left, seen from the front. On a closed surface every chain is a loop.
+
+use crate::surface::{NONE, Surface, next, previous};
+
+/// A point of a zero set on an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The edge.
+    pub edge: u32,
+    /// Where on it: 0 at its first end, 1 at its second.
+    pub at: f64,
+    /// The face that the chain enters here, or [`NONE`] at the end of an open chain.
+    pub face: u32,
+}
+
+/// A chain: a range of crossings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Chain {
+    /// Index of its first crossing.
+    pub start: u32,
+    /// Number of crossings.
+    pub count: u32,
+    /// Whether the last is joined to the first.
+    pub closed: bool,
+}
+
+/// A zero set at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Slice {
+    /// Crossings, chain by chain.
+    pub crossings: Vec<Crossing>,
+    /// The chains.
+    pub chains: Vec<Chain>,
+}
+
+impl Chain {
+    /// Its crossings in a slice.
+    pub fn of<'a>(&self, slice: &'a Slice) -> &'a [Crossing] {
+        &slice.crossings[self.start as usize..(self.start + self.count) as usize]
+    }
+}
+
+/// Whether a value counts as positive.
+pub(crate) fn positive(value: f64) -> bool {
+    value >= 0.0
+}
+
+impl Slice {
+    /// The zero set of the function with these values at the vertices.
+    pub fn of(surface: &Surface, values: &[f64]) -> Self {
+        let side: Vec<bool> = values.iter().map(|v| positive(*v)).collect();
+        let mut slice = Self::default();
+        let entries = entries(surface, &side);
+        let mut done = vec![false; surface.half.len()];
+        // Open chains first, from where they enter; what is left is closed.
+        for border in [true, false] {
+            for &half in &entries {
+                let edge = surface.edge[half as usize] as usize;
+                if !done[edge] && (!border || surface.mate[half as usize] == NONE) {
+                    slice.chain(surface, &side, values, half, &mut done);
+                }
+            }
+        }
+        slice
+    }
+
+    fn chain(
+        &mut self,
+        surface: &Surface,
+        side: &[bool],
+        values: &[f64],
+        entry: u32,
+        done: &mut [bool],
+    ) {
+        let start = self.crossings.len() as u32;
+        let mut half = entry;
+        let closed = loop {
+            let edge = surface.edge[half as usize];
+            if std::mem::replace(&mut done[edge as usize], true) {
+                break true;
+            }
+            self.crossings.push(Crossing { edge, at: crossing(surface, values, edge), face: half / 3 });
+            let leave = exit(surface, side, half);
+            half = surface.mate[leave as usize];
+            if half == NONE {
+                let edge = surface.edge[leave as usize];
+                done[edge as usize] = true;
+                self.crossings.push(Crossing { edge, at: crossing(surface, values, edge), face: NONE });
+                break false;
+            }
+        };
+        let count = self.crossings.len() as u32 - start;
+        self.chains.push(Chain { start, count, closed });
+    }
+}
+
+/// Half-edges by which a chain enters a face: from positive to negative; rising.
+fn entries(surface: &Surface, side: &[bool]) -> Vec<u32> {
+    let mut entries = Vec::new();
+    for (f, face) in surface.faces.iter().enumerate() {
+        let s = face.map(|v| side[v as usize]);
+        if s[0] == s[1] && s[1] == s[2] {
+            continue;
+        }
+        let corner = (0..3).find(|&c| s[c] && !s[(c + 1) % 3]).expect("both signs are there");
+        entries.push((3 * f + corner) as u32);
+    }
+    entries
+}
+
+/// The half-edge by which a chain leaves the face that it enters by `half`.
+pub(crate) fn exit(surface: &Surface, side: &[bool], half: u32) -> u32 {
+    let ahead = next(half);
+    // The face's third vertex decides which of the other two sides is crossed.
+    if side[surface.from(previous(half)) as usize] { ahead } else { previous(half) }
+}
+
+/// Where the function is zero on a crossed edge.
+pub(crate) fn crossing(surface: &Surface, values: &[f64], edge: u32) -> f64 {
+    let [a, b] = surface.ends(edge).map(|v| values[v as usize]);
+    let t = a / (a - b);
+    if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 }
+}

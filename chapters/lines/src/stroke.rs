@@ -1,0 +1,180 @@
+//! [`Stroke`]: a visible run of a path as evenly spaced samples.
+//!
+//! Samples stand exactly on the path, `step` pixels apart at most, with one on every corner, so that
+//! each has its place in space and its material point one frame later.
+
+use crate::path::{Kind, Path, Place};
+use crate::view::View;
+use crate::visibility::Run;
+use chiaro_basis::math::{DVec2, DVec3};
+
+/// Half the length over which a turn is measured, pixels.
+const REACH: f64 = 4.0;
+/// A turn by more than this is a corner, radians.
+const CORNER: f64 = 0.6;
+
+/// A sample of a stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// In the picture, pixels, y down.
+    pub at: DVec2,
+    /// Along the view axis, scene units.
+    pub depth: f64,
+    /// In world space.
+    pub world: DVec3,
+    /// The same material point one frame later, in world space.
+    pub next_world: Option<DVec3>,
+    /// Where that falls in the next picture, if it does.
+    pub next_at: Option<DVec2>,
+    /// Where on its chain: index of a crossing or vertex, and the share of the way to the next.
+    pub on_chain: f64,
+}
+
+/// A line that is drawn in one go.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// The same through the film.
+    pub id: u32,
+    /// What kind of line.
+    pub kind: Kind,
+    /// Which chain of its kind it is a part of, in this frame.
+    pub chain: u32,
+    /// Whether the last sample is joined to the first, which is not repeated.
+    pub closed: bool,
+    /// Its samples; silhouettes run with the front side on the left.
+    pub samples: Vec<Sample>,
+    /// Picture length up to each sample, pixels; for closed strokes one more, the whole.
+    pub length: Vec<f64>,
+}
+
+impl Stroke {
+    /// A run of a path. `next_view` is the camera one frame later.
+    pub fn of(path: &Path, run: Run, step: f64, view: &View, next_view: Option<&View>) -> Self {
+        let n = path.segments.len() as f64;
+        let closed = path.closed && run.end - run.start >= n;
+        let places = places(path, run, step, closed);
+        let sample = |place: &Place| sample(path, place.rem_euclid_end(n), view, next_view);
+        let samples: Vec<Sample> = places.iter().filter_map(sample).collect();
+        let mut stroke =
+            Self { id: 0, kind: path.kind, chain: path.chain, closed, samples, length: Vec::new() };
+        stroke.measure();
+        stroke
+    }
+
+    fn measure(&mut self) {
+        let s = &self.samples;
+        let around = self.closed.then(|| s[s.len() - 1].at.distance(s[0].at));
+        let steps = s.windows(2).map(|p| p[0].at.distance(p[1].at)).chain(around);
+        let mut total = 0.0;
+        self.length = std::iter::once(0.0)
+            .chain(steps.map(|d| {
+                total += d;
+                total
+            }))
+            .collect();
+    }
+
+    /// Its length in pixels.
+    pub fn total(&self) -> f64 {
+        self.length.last().copied().unwrap_or(0.0)
+    }
+}
+
+/// Places on closed paths run past the last point.
+trait Wrapped {
+    fn rem_euclid_end(self, n: f64) -> f64;
+}
+
+impl Wrapped for f64 {
+    fn rem_euclid_end(self, n: f64) -> f64 {
+        if self > n { self - n } else { self }
+    }
+}
+
+fn sample(path: &Path, place: Place, view: &View, next_view: Option<&View>) -> Option<Sample> {
+    let point = path.point(place);
+    let seen = view.see(point.world)?;
+    let next_at = point
+        .next
+        .zip(next_view)
+        .and_then(|(p, v)| v.see(p).filter(|s| v.holds(s.at, 0.0)))
+        .map(|s| s.at);
+    Some(Sample {
+        at: seen.at,
+        depth: seen.depth,
+        world: point.world,
+        next_world: point.next,
+        next_at,
+        on_chain: point.on_chain,
+    })
+}
+
+/// Where the samples of a run stand: evenly between corners. The end of a closed run is left out.
+fn places(path: &Path, run: Run, step: f64, closed: bool) -> Vec<Place> {
+    let n = path.segments.len() as f64;
+    let total = path.total();
+    let length = |p: Place| {
+        if p > n { total + path.length_at(p - n) } else { path.length_at(p) }
+    };
+    let (from, to) = (length(run.start), length(run.end));
+    let at = |l: f64| if l > total { path.place_at(l - total) + n } else { path.place_at(l) };
+    let mut stops = vec![from];
+    stops.extend(corners(path, run).into_iter().map(length));
+    stops.push(to);
+    let mut places = Vec::new();
+    for pair in stops.windows(2).filter(|p| p[1] - p[0] > 1e-3) {
+        let count = ((pair[1] - pair[0]) / step).ceil().max(1.0);
+        places.extend((0..count as usize).map(|i| at(pair[0] + (pair[1] - pair[0]) * i as f64 / count)));
+    }
+    if !closed || places.is_empty() {
+        places.push(run.end);
+    }
+    places
+}
+
+/// Points of a run where it turns sharply, rising.
+fn corners(path: &Path, run: Run) -> Vec<Place> {
+    let n = path.segments.len();
+    let at = |k: usize| path.seen[k % n.max(1)].map(|s| s.at);
+    let mut found: Vec<(Place, f64, f64)> = Vec::new();
+    for k in run.start.floor() as usize + 1..run.end.ceil() as usize {
+        let (Some(here), Some(a), Some(b)) = (
+            at(k),
+            reach(path, k, run.start.floor() as usize, false),
+            reach(path, k, run.end.ceil() as usize, true),
+        ) else {
+            continue;
+        };
+        let turn = (here - a).angle_to(b - here).abs();
+        if turn < CORNER {
+            continue;
+        }
+        let length = if k > n { path.total() + path.length[k - n] } else { path.length[k] };
+        match found.last_mut() {
+            Some(last) if length - last.2 < REACH => {
+                if turn > last.1 {
+                    *last = (k as f64, turn, length);
+                }
+            }
+            _ => found.push((k as f64, turn, length)),
+        }
+    }
+    found.into_iter().map(|f| f.0).collect()
+}
+
+/// The first point at least [`REACH`] pixels from point `k`, towards `end`, or the last before.
+fn reach(path: &Path, k: usize, end: usize, ahead: bool) -> Option<DVec2> {
+    let n = path.segments.len();
+    let at = |k: usize| path.seen[if k > n { k - n } else { k }].map(|s| s.at);
+    let here = at(k)?;
+    let mut last = None;
+    let mut j = k;
+    while j != end {
+        j = if ahead { j + 1 } else { j - 1 };
+        last = Some(at(j)?);
+        if last?.distance(here) >= REACH {
+            break;
+        }
+    }
+    last
+}

@@ -1,0 +1,155 @@
+//! [`Surface`]: all that is drawn as one oriented manifold with the same ids in every frame.
+//!
+//! 1. Each object's triangles are welded ([`chiaro_scene::topology`]) and wound alike; edges where
+//!    more than two triangles meet, or where no winding agrees, are cut ([`build`]).
+//! 2. Creases are opened and closed again with a strip of no width ([`bevel`]): on both sides of a
+//!    crease the vertices have normals of their own, and the strip turns from one to the other. The
+//!    surface stays closed, and a silhouette runs along a sharp edge as along a round one.
+//! 3. Half-edge 3 f + c runs from corner c of face f to the next; `mate` is the one across.
+//!
+//! Guaranteed: every edge has one or two faces, neighbours wind alike, every vertex has one fan.
+//! Ids depend on the scene and on the pose in which creases were found, never on threads.
+
+mod bevel;
+mod build;
+mod ring;
+
+pub use build::CreaseRule;
+pub use ring::Ring;
+
+use chiaro_scene::{Frame, MaterialId, Scene};
+
+/// No half-edge, no face.
+pub const NONE: u32 = u32::MAX;
+
+/// Where a vertex's position comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Anchor {
+    /// Index into [`Frame::objects`].
+    pub object: u32,
+    /// Index into the shape's positions.
+    pub vertex: u32,
+}
+
+/// Which triangle of the scene a face is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Index into [`Frame::objects`].
+    pub object: u32,
+    /// Index into the mesh's triangles.
+    pub face: u32,
+    /// Whether it was turned over to agree with its neighbours.
+    pub turned: bool,
+    /// Its material.
+    pub material: MaterialId,
+    /// Whether it is seen from its back.
+    pub two_sided: bool,
+    /// Whether it hides what is behind it: it is not see-through all over.
+    pub opaque: bool,
+}
+
+/// A crease: two half-edges of real faces with a strip between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crease {
+    /// The half-edge on one side.
+    pub left: u32,
+    /// The half-edge on the other; it runs the other way.
+    pub right: u32,
+}
+
+/// An oriented manifold made of everything that is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Surface {
+    /// Where each vertex is.
+    pub anchors: Vec<Anchor>,
+    /// Vertices of each face, counter-clockwise seen from the front. Real faces come first, then
+    /// the strips'.
+    pub faces: Vec<[u32; 3]>,
+    /// How many faces are real.
+    pub real_faces: usize,
+    /// The triangle behind each real face.
+    pub sources: Vec<Source>,
+    /// The half-edge across each half-edge, or [`NONE`] on borders.
+    pub mate: Vec<u32>,
+    /// The edge under each half-edge.
+    pub edge: Vec<u32>,
+    /// One half-edge of each edge: the lower.
+    pub half: Vec<u32>,
+    /// A half-edge out of each vertex; on borders the one from which the whole fan can be walked.
+    pub out: Vec<u32>,
+    /// The creases.
+    pub creases: Vec<Crease>,
+    /// What had to be cut or turned over, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl Surface {
+    /// The surface of what a frame draws; `rule` says what a crease is in this pose.
+    pub fn of(scene: &Scene, frame: &Frame, rule: &CreaseRule) -> Self {
+        build::surface(scene, frame, rule)
+    }
+
+    /// Where a half-edge begins.
+    pub fn from(&self, half: u32) -> u32 {
+        self.faces[half as usize / 3][half as usize % 3]
+    }
+
+    /// Where a half-edge ends.
+    pub fn to(&self, half: u32) -> u32 {
+        self.from(next(half))
+    }
+
+    /// The two ends of an edge, in the direction of its lower half-edge.
+    pub fn ends(&self, edge: u32) -> [u32; 2] {
+        let half = self.half[edge as usize];
+        [self.from(half), self.to(half)]
+    }
+
+    /// Whether a face is part of a crease's strip.
+    pub fn is_strip(&self, face: usize) -> bool {
+        face >= self.real_faces
+    }
+
+    /// Whether an edge has one face alone.
+    pub fn is_border(&self, edge: u32) -> bool {
+        self.mate[self.half[edge as usize] as usize] == NONE
+    }
+
+    /// Vertices - edges + faces.
+    pub fn euler_characteristic(&self) -> i64 {
+        self.anchors.len() as i64 - self.half.len() as i64 + self.faces.len() as i64
+    }
+
+    /// Numbers edges and fans, once faces and mates are known.
+    fn finish(&mut self) {
+        let halves = 3 * self.faces.len();
+        self.edge = vec![NONE; halves];
+        self.half.clear();
+        for h in 0..halves as u32 {
+            let mate = self.mate[h as usize];
+            self.edge[h as usize] = if mate < h {
+                self.edge[mate as usize]
+            } else {
+                self.half.push(h);
+                self.half.len() as u32 - 1
+            };
+        }
+        self.out = vec![NONE; self.anchors.len()];
+        for h in 0..halves as u32 {
+            let slot = &mut self.out[self.faces[h as usize / 3][h as usize % 3] as usize];
+            if *slot == NONE || self.mate[h as usize] == NONE {
+                *slot = h;
+            }
+        }
+    }
+}
+
+/// The half-edge after this one in its face.
+pub fn next(half: u32) -> u32 {
+    if half % 3 == 2 { half - 2 } else { half + 1 }
+}
+
+/// The half-edge before this one in its face.
+pub fn previous(half: u32) -> u32 {
+    if half.is_multiple_of(3) { half + 2 } else { half - 1 }
+}

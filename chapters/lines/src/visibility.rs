@@ -1,0 +1,361 @@
+//! Which parts of the paths of a frame are seen.
+//!
+//! 1. Paths are cut where their convexity changes and where a nearer silhouette or border passes
+//!    in front of them in the picture: there, and where bodies run into each other, visibility can
+//!    change.
+//! 2. The samples of a stretch between two cuts vote ([`Sight`]). If they all but agree, the stretch
+//!    has one label; else each keeps its own, and changes are found to a tenth of a pixel by
+//!    bisection.
+//! 3. Gaps and runs too short to be drawn are removed ([`Limits`]).
+//!
+//! Nothing is carried over from other frames: it would only delay true changes.
+
+use crate::path::{Path, Place};
+use crate::sight::Sight;
+use crate::view::View;
+use chiaro_basis::math::DVec2;
+
+/// Pixels between the samples that vote.
+const SPACING: f64 = 3.0;
+/// Most votes of a stretch.
+const VOTES: usize = 48;
+/// Share of votes that decides a stretch.
+const AGREE: f64 = 0.85;
+/// Depth by which a face must be nearer to hide a point, in parts of the depth.
+const SLACK: f64 = 1e-6;
+/// The same for edges, which lie in their faces' planes and touch their neighbours.
+const EDGE_SLACK: f64 = 1e-4;
+/// Side of the squares in which crossings are looked for, pixels.
+const CELL: f64 = 16.0;
+
+/// What is too short to matter, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Hidden gaps below this are bridged.
+    pub gap: f64,
+    /// Visible runs below this are dropped.
+    pub run: f64,
+}
+
+/// A visible part of a path; on closed paths `end` may lie beyond the last point, and a whole loop
+/// is as long as the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run {
+    /// Where it begins.
+    pub start: Place,
+    /// Where it ends.
+    pub end: Place,
+}
+
+/// The parts that are seen, and how many stretches had to be split.
+#[derive(Clone, Debug, Default)]
+pub struct Visible {
+    /// Runs of each path, rising.
+    pub runs: Vec<Vec<Run>>,
+    /// Stretches that voted.
+    pub stretches: u64,
+    /// Stretches whose samples did not agree.
+    pub split: u64,
+}
+
+/// The visible parts of the paths of one frame.
+pub fn visible(paths: &[Path], sight: &Sight<'_>, view: &View, limits: &Limits) -> Visible {
+    let crossings = crossings(paths, view);
+    let mut visible = Visible::default();
+    for (path, crossings) in paths.iter().zip(crossings) {
+        let looker = Looker { path, sight, view };
+        let labels = looker.labels(crossings, &mut visible);
+        visible.runs.push(runs(path, labels, limits));
+    }
+    visible
+}
+
+/// A part of a path with one label.
+#[derive(Clone, Copy, Debug)]
+struct Label {
+    start: Place,
+    end: Place,
+    seen: bool,
+}
+
+struct Looker<'a> {
+    path: &'a Path,
+    sight: &'a Sight<'a>,
+    view: &'a View,
+}
+
+impl Looker<'_> {
+    /// Labels from the first point to the last.
+    fn labels(&self, mut cuts: Vec<Place>, counts: &mut Visible) -> Vec<Label> {
+        let segments = &self.path.segments;
+        cuts.extend([0.0, segments.len() as f64]);
+        let changes = (1..segments.len()).filter(|&k| segments[k].buried != segments[k - 1].buried);
+        cuts.extend(changes.map(|k| k as f64));
+        cuts.sort_by(f64::total_cmp);
+        let mut labels = Vec::new();
+        for pair in cuts.windows(2).filter(|p| p[0] < p[1]) {
+            let middle = (0.5 * (pair[0] + pair[1])) as usize;
+            if segments[middle].buried {
+                labels.push(Label { start: pair[0], end: pair[1], seen: false });
+            } else {
+                self.stretch(pair[0], pair[1], &mut labels, counts);
+            }
+        }
+        labels
+    }
+
+    fn stretch(&self, start: Place, end: Place, labels: &mut Vec<Label>, counts: &mut Visible) {
+        let (from, to) = (self.path.length_at(start), self.path.length_at(end));
+        let count = (((to - from) / SPACING).ceil() as usize).clamp(3, VOTES);
+        let at = |i: usize| from + (to - from) * (i as f64 + 0.5) / count as f64;
+        let votes: Vec<bool> = (0..count).map(|i| self.sees(self.path.place_at(at(i)))).collect();
+        let share = votes.iter().filter(|v| **v).count() as f64 / count as f64;
+        counts.stretches += 1;
+        let agree = share >= AGREE || share <= 1.0 - AGREE;
+        if agree || to - from < 2.0 * SPACING {
+            labels.push(Label { start, end, seen: share > 0.5 });
+            return;
+        }
+        counts.split += 1;
+        self.split(start, end, &votes, at, labels);
+    }
+
+    /// Labels sample by sample, lone ones outvoted by their neighbours; changes are bisected.
+    fn split(
+        &self,
+        start: Place,
+        end: Place,
+        votes: &[bool],
+        at: impl Fn(usize) -> f64,
+        labels: &mut Vec<Label>,
+    ) {
+        let n = votes.len();
+        let calm: Vec<bool> = (0..n)
+            .map(|i| {
+                let (a, b) = (votes[i.saturating_sub(1)], votes[(i + 1).min(n - 1)]);
+                if a == b { a } else { votes[i] }
+            })
+            .collect();
+        let mut since = start;
+        for i in 1..n {
+            if calm[i] != calm[i - 1] {
+                let change = self.change(at(i - 1), at(i), calm[i - 1]);
+                labels.push(Label { start: since, end: change, seen: calm[i - 1] });
+                since = change;
+            }
+        }
+        labels.push(Label { start: since, end, seen: calm[n - 1] });
+    }
+
+    fn change(&self, mut from: f64, mut to: f64, seen: bool) -> Place {
+        while to - from > 0.1 {
+            let middle = 0.5 * (from + to);
+            let side = if self.sees(self.path.place_at(middle)) == seen { &mut from } else { &mut to };
+            *side = middle;
+        }
+        self.path.place_at(0.5 * (from + to))
+    }
+
+    fn sees(&self, place: Place) -> bool {
+        let point = self.path.point(place);
+        let Some(seen) = self.view.see(point.pushed) else { return false };
+        let k = (place as usize).min(self.path.segments.len() - 1);
+        let own = &self.path.segments[k].own;
+        let slack = if point.pushed == point.world { EDGE_SLACK } else { SLACK };
+        !self.sight.hidden(seen.at, seen.depth, slack * seen.depth, own)
+    }
+}
+
+/// Labels to visible runs: joined, gaps bridged, short runs dropped; on closed paths across the
+/// first point too.
+fn runs(path: &Path, labels: Vec<Label>, limits: &Limits) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for label in labels.iter().filter(|l| l.seen) {
+        match runs.last_mut() {
+            Some(last) if bridged(path, last.end, label.start, limits) => last.end = label.end,
+            _ => runs.push(Run { start: label.start, end: label.end }),
+        }
+    }
+    let n = path.segments.len() as f64;
+    if path.closed && !runs.is_empty() {
+        let (first, last) = (runs[0], runs[runs.len() - 1]);
+        let gap = path.total() - path.length_at(last.end) + path.length_at(first.start);
+        let drawn = [last.end, n, 0.0, first.start];
+        if gap < limits.gap && continuous(path, &drawn) {
+            if runs.len() == 1 {
+                runs[0].end = runs[0].start + n;
+            } else {
+                runs.pop();
+                runs[0] = Run { start: last.start, end: first.end + n };
+                runs.rotate_left(1);
+            }
+        }
+    }
+    runs.retain(|r| run_length(path, *r) >= limits.run);
+    runs
+}
+
+/// Whether nothing between two places lies outside the picture.
+fn continuous(path: &Path, places: &[Place]) -> bool {
+    places.chunks(2).all(|p| {
+        let range = (p[0] as usize)..(p[1].ceil() as usize).min(path.seen.len());
+        range.into_iter().all(|k| path.seen[k].is_some())
+    })
+}
+
+fn bridged(path: &Path, from: Place, to: Place, limits: &Limits) -> bool {
+    from == to
+        || (path.length_at(to) - path.length_at(from) < limits.gap
+            && continuous(path, &[from, to])
+            && straight(path, from, to) < limits.gap)
+}
+
+/// Distance in the picture between two places.
+fn straight(path: &Path, from: Place, to: Place) -> f64 {
+    let at = |p: Place| {
+        let k = (p as usize).min(path.seen.len() - 1);
+        path.seen[k].map_or(DVec2::INFINITY, |s| s.at)
+    };
+    at(from).distance(at(to))
+}
+
+/// Picture length of a run.
+pub(crate) fn run_length(path: &Path, run: Run) -> f64 {
+    let n = path.segments.len() as f64;
+    if run.end > n {
+        path.total() - path.length_at(run.start) + path.length_at(run.end - n)
+    } else {
+        path.length_at(run.end) - path.length_at(run.start)
+    }
+}
+
+/// A segment in the picture.
+struct Line {
+    path: u32,
+    index: u32,
+    a: DVec2,
+    b: DVec2,
+    depth: [f64; 2],
+    occludes: bool,
+}
+
+/// For each path, the places where a nearer line crosses it.
+fn crossings(paths: &[Path], view: &View) -> Vec<Vec<Place>> {
+    let lines = lines(paths);
+    let cells = Cells::of(&lines, view);
+    let mut cuts: Vec<Vec<Place>> = paths.iter().map(|_| Vec::new()).collect();
+    for (cell, members) in cells.members() {
+        for (i, &a) in members.iter().enumerate() {
+            for &b in &members[i + 1..] {
+                let (a, b) = (&lines[a as usize], &lines[b as usize]);
+                if a.occludes || b.occludes {
+                    cross(a, b, |p| cells.cell(p) == Some(cell), &mut cuts);
+                }
+            }
+        }
+    }
+    cuts
+}
+
+fn lines(paths: &[Path]) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for (p, path) in paths.iter().enumerate() {
+        for (k, segment) in path.segments.iter().enumerate() {
+            if let (Some(a), Some(b), false) = (path.seen[k], path.seen[k + 1], segment.buried) {
+                lines.push(Line {
+                    path: p as u32,
+                    index: k as u32,
+                    a: a.at,
+                    b: b.at,
+                    depth: [a.depth, b.depth],
+                    occludes: path.kind.occludes(),
+                });
+            }
+        }
+    }
+    lines
+}
+
+/// Cuts the farther of two segments where they cross.
+fn cross(a: &Line, b: &Line, here: impl Fn(DVec2) -> bool, cuts: &mut [Vec<Place>]) {
+    let (u, v, w) = (a.b - a.a, b.b - b.a, b.a - a.a);
+    let det = u.perp_dot(v);
+    let (s, t) = (w.perp_dot(v) / det, w.perp_dot(u) / det);
+    if !((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)) || !here(a.a + u * s) {
+        return;
+    }
+    if a.path == b.path && a.index.abs_diff(b.index) <= 1 {
+        return;
+    }
+    // Depth is not linear in the picture, its inverse is; on short segments both will do.
+    let depth = |l: &Line, t: f64| 1.0 / (1.0 / l.depth[0] * (1.0 - t) + t / l.depth[1]);
+    let (za, zb) = (depth(a, s), depth(b, t));
+    if a.occludes && za < zb {
+        cuts[b.path as usize].push(f64::from(b.index) + t);
+    } else if b.occludes && zb < za {
+        cuts[a.path as usize].push(f64::from(a.index) + s);
+    }
+}
+
+/// Squares of the picture with the segments that may pass through each.
+struct Cells {
+    columns: usize,
+    rows: usize,
+    start: Vec<u32>,
+    lines: Vec<u32>,
+}
+
+impl Cells {
+    fn of(lines: &[Line], view: &View) -> Self {
+        let cells = |p: usize| (p as f64 / CELL).ceil() as usize + 2;
+        let mut this = Self {
+            columns: cells(view.size.0),
+            rows: cells(view.size.1),
+            start: Vec::new(),
+            lines: Vec::new(),
+        };
+        let mut counts = vec![0u32; this.columns * this.rows + 1];
+        lines.iter().for_each(|l| this.each(l, |c| counts[c + 1] += 1));
+        for c in 1..counts.len() {
+            counts[c] += counts[c - 1];
+        }
+        let mut at = counts.clone();
+        let mut members = vec![0; counts[counts.len() - 1] as usize];
+        for (i, line) in lines.iter().enumerate() {
+            this.each(line, |c| {
+                members[at[c] as usize] = i as u32;
+                at[c] += 1;
+            });
+        }
+        this.start = counts;
+        this.lines = members;
+        this
+    }
+
+    /// Column and row; the first of each holds what is left of or above the picture.
+    fn grid(&self, p: DVec2) -> (usize, usize) {
+        let clamp = |x: f64, n: usize| ((x / CELL).floor() + 1.0).clamp(0.0, (n - 1) as f64) as usize;
+        (clamp(p.x, self.columns), clamp(p.y, self.rows))
+    }
+
+    fn cell(&self, p: DVec2) -> Option<usize> {
+        let (x, y) = self.grid(p);
+        Some(y * self.columns + x)
+    }
+
+    fn each(&self, line: &Line, mut visit: impl FnMut(usize)) {
+        let ((x0, y0), (x1, y1)) = (self.grid(line.a), self.grid(line.b));
+        for y in y0.min(y1)..=y0.max(y1) {
+            for x in x0.min(x1)..=x0.max(x1) {
+                visit(y * self.columns + x);
+            }
+        }
+    }
+
+    fn members(&self) -> impl Iterator<Item = (usize, &[u32])> {
+        (0..self.start.len() - 1).filter_map(|c| {
+            let members = &self.lines[self.start[c] as usize..self.start[c + 1] as usize];
+            (members.len() > 1).then_some((c, members))
+        })
+    }
+}
