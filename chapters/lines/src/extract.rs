@@ -10,7 +10,7 @@ use crate::slice::Slice;
 use crate::stroke::Stroke;
 use crate::surface::Surface;
 use crate::view::View;
-use crate::visibility::{Limits, Visible, visible};
+use crate::visibility::{Limits, Run, Visible, visible};
 use chiaro_basis::math::DVec3;
 
 /// What the frames of a shot share.
@@ -46,6 +46,8 @@ pub struct Lines {
     pub visible: Visible,
     /// The visible runs as strokes.
     pub strokes: Vec<Stroke>,
+    /// For each stroke, its path and its run.
+    pub runs: Vec<(usize, Run)>,
 }
 
 impl Lines {
@@ -72,15 +74,26 @@ impl Lines {
         });
         let limits = Limits { gap: f64::from(knobs.bridge), run: f64::from(knobs.shortest) };
         let visible = visible(&paths, &sight, view, &limits);
-        let mut strokes = Vec::new();
-        for (path, runs) in paths.iter().zip(&visible.runs).filter(|(p, _)| is_drawn(p.kind, knobs)) {
-            let next_view = moment.next.map(|n| n.1);
-            let step = f64::from(knobs.step);
-            strokes.extend(runs.iter().map(|&r| Stroke::of(path, r, step, view, next_view)));
-        }
-        strokes.retain(|s| s.samples.len() > 1);
-        Self { g, slice, paths, visible, strokes }
+        let (strokes, runs) = strokes(&paths, &visible, knobs, moment);
+        Self { g, slice, paths, visible, strokes, runs }
     }
+}
+
+/// The strokes of all runs that are drawn, each with its path and its run.
+fn strokes(
+    paths: &[Path],
+    visible: &Visible,
+    knobs: &LinesKnobs,
+    moment: &Moment<'_>,
+) -> (Vec<Stroke>, Vec<(usize, Run)>) {
+    let next_view = moment.next.map(|n| n.1);
+    let step = f64::from(knobs.step);
+    let drawn = paths.iter().enumerate().filter(|(_, p)| is_drawn(p.kind, knobs));
+    drawn
+        .flat_map(|(i, path)| visible.runs[i].iter().map(move |&run| (i, path, run)))
+        .map(|(i, path, run)| (Stroke::of(path, run, step, moment.view, next_view), (i, run)))
+        .filter(|(stroke, _)| stroke.samples.len() > 1)
+        .unzip()
 }
 
 fn is_drawn(kind: Kind, knobs: &LinesKnobs) -> bool {

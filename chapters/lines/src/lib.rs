@@ -3,6 +3,7 @@
 pub mod contour;
 mod extract;
 mod feature;
+mod film;
 mod knob;
 mod path;
 mod posed;
@@ -10,11 +11,14 @@ mod sight;
 mod slice;
 mod stroke;
 pub mod surface;
+pub mod track;
 mod view;
 mod visibility;
+mod vote;
 
 pub use extract::{Lines, Moment, Stage};
 pub use feature::{FeatureChain, Features};
+pub use film::{Film, FilmEvent, FilmFrame, Ground, Reel};
 pub use knob::LinesKnobs;
 pub use path::{Kind, Path, Place, Point, Segment};
 pub use posed::{Posed, positions};

@@ -1,0 +1,433 @@
+//! [`Film`]: the lines of a shot, tracked: the three loops of the method.
+//!
+//! 1. *Per frame, in parallel*: pose, silhouettes, edge lines, visibility, strokes ([`Lines`]).
+//! 2. *Once over the film*: the flips between frames make S and its events ([`Kinetic`]); links along
+//!    S make identities ([`Identity`]).
+//! 3. *Per frame*: strokes get their ids, events their strokes.
+//!
+//! Frames are worked on in chunks; poses and values of a chunk are forgotten once it is tracked, so
+//! that memory holds S and the strokes alone. Results do not depend on chunks or threads.
+
+use crate::extract::{Lines, Moment, Stage};
+use crate::feature::Features;
+use crate::knob::LinesKnobs;
+use crate::path::{Kind, Path};
+use crate::posed::Posed;
+use crate::slice::Slice;
+use crate::stroke::Stroke;
+use crate::surface::{CreaseRule, NONE, Surface};
+use crate::track::{EventKind, Identity, Interval, Kinetic, Order, Strands};
+use crate::view::View;
+use chiaro_basis::math::{DVec2, DVec3};
+use chiaro_basis::{Result, Run};
+use chiaro_scene::{Frame, Scene};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A shot: a scene, and its frame and camera at each of a number of times.
+pub struct Reel<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// How many frames.
+    pub count: usize,
+    /// The frame of an index, and the camera's view of it.
+    pub at: &'a (dyn Fn(usize) -> (Frame, View) + Sync),
+}
+
+/// A shot's lines, tracked.
+#[derive(Clone, Debug, Default)]
+pub struct Film {
+    /// The frames.
+    pub frames: Vec<FilmFrame>,
+    /// Births, deaths and saddles of silhouettes, in their order.
+    pub events: Vec<FilmEvent>,
+    /// The surface, unless meshes are made anew in every frame.
+    pub surface: Option<Arc<Ground>>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// One frame of a film.
+#[derive(Clone, Debug)]
+pub struct FilmFrame {
+    /// The camera.
+    pub view: View,
+    /// The slice of S: all silhouettes, hidden ones too.
+    pub slice: Slice,
+    /// The label of each chain of the slice, the same through the film.
+    pub labels: Vec<u32>,
+    /// What happens until the next frame; empty at the last one and before a cut.
+    pub interval: Interval,
+    /// Whether the frame begins a new block of space-time: the first one, and after a camera cut.
+    pub begins: bool,
+    /// What is drawn.
+    pub strokes: Vec<Stroke>,
+    /// Stretches that voted on visibility, and those that did not agree.
+    pub stretches: [u64; 2],
+}
+
+/// A birth, death or saddle in a film.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmEvent {
+    /// Index of the frame before, and the share of the way to the next.
+    pub time: f64,
+    /// What.
+    pub kind: EventKind,
+    /// Arcs that meet, for saddles.
+    pub arcs: u32,
+    /// Where, in world space.
+    pub world: DVec3,
+    /// Where in the picture, if it is in front of the camera.
+    pub at: Option<DVec2>,
+    /// Ids of the strokes that take part: those of the chains involved that pass near.
+    pub strokes: Vec<u32>,
+    labels: [Vec<u32>; 2],
+}
+
+/// A surface with its edge lines.
+#[derive(Clone, Debug, Default)]
+pub struct Ground {
+    /// The surface.
+    pub surface: Surface,
+    /// Its edge lines.
+    pub features: Features,
+}
+
+impl Ground {
+    /// The surface of a frame, with its edge lines.
+    pub fn of(scene: &Scene, frame: &Frame, knobs: &LinesKnobs) -> Self {
+        let rule = CreaseRule {
+            angle: knobs.crease_angle.to_radians(),
+            smooth_angle: knobs.smooth_crease_angle.max(knobs.crease_angle).to_radians(),
+        };
+        let surface = Surface::of(scene, frame, &rule);
+        let features = Features::of(&surface, &crate::posed::positions(&surface, frame));
+        Self { surface, features }
+    }
+}
+
+/// A frame, posed.
+struct Ready {
+    view: View,
+    posed: Posed,
+    /// Where meshes are made anew: this frame's own.
+    own: Option<Arc<Ground>>,
+}
+
+/// Pixels within which an event finds its strokes.
+const NEAR_EVENT: f64 = 40.0;
+/// A camera that turns by more than this between frames may have been cut, radians.
+const CUT: f64 = 0.5;
+/// It has if it turned this many times less before.
+const SUDDEN: f64 = 4.0;
+
+impl Film {
+    /// Finds and tracks the lines of a shot.
+    pub fn of(reel: &Reel<'_>, knobs: &LinesKnobs, run: &Run) -> Result<Self> {
+        let fixed = reel.ground(knobs, run);
+        let mut tracking = Tracking::new(knobs, fixed.as_deref());
+        let chunk = 2 * rayon::current_num_threads().max(1);
+        let mut ready: Vec<Ready> = Vec::new();
+        let mut done = 0;
+        while done < reel.count {
+            run.check()?;
+            let until = (done + chunk).min(reel.count);
+            let wanted = done + ready.len()..(until + 1).min(reel.count);
+            let posed: Vec<Ready> = run.stage("frame", wanted.len() as u64, || {
+                wanted.into_par_iter().map(|i| reel.prepare(i, fixed.as_deref(), knobs)).collect()
+            });
+            ready.extend(posed);
+            let lines: Vec<Lines> = run.stage("lines", (until - done) as u64, || {
+                (0..until - done).into_par_iter().map(|k| tracking.find(&ready, k)).collect()
+            });
+            run.stage("track", (until - done) as u64, || {
+                for (k, lines) in lines.into_iter().enumerate() {
+                    tracking.take(&ready[k], lines);
+                }
+            });
+            ready.drain(..until - done);
+            done = until;
+        }
+        let mut film = run.stage("track", 0, || tracking.finish());
+        film.surface = fixed;
+        Ok(film)
+    }
+}
+
+impl Reel<'_> {
+    /// The surface of the shot; `None` where some mesh is made anew in every frame.
+    fn ground(&self, knobs: &LinesKnobs, run: &Run) -> Option<Arc<Ground>> {
+        if self.count == 0 {
+            return None;
+        }
+        run.stage("lines", 0, || {
+            let (frame, _) = (self.at)(0);
+            let remade = frame.shapes.iter().any(|s| s.remade.is_some());
+            (!remade).then(|| Arc::new(Ground::of(self.scene, &frame, knobs)))
+        })
+    }
+
+    fn prepare(&self, index: usize, fixed: Option<&Ground>, knobs: &LinesKnobs) -> Ready {
+        let (frame, view) = (self.at)(index);
+        let own = fixed.is_none().then(|| Arc::new(Ground::of(self.scene, &frame, knobs)));
+        let ground = fixed.or(own.as_deref()).expect("one of them is there");
+        let posed = Posed::new(&ground.surface, &frame, knobs.smooth_normals);
+        Ready { view, posed, own }
+    }
+}
+
+/// A film in the making.
+struct Tracking<'a> {
+    knobs: &'a LinesKnobs,
+    fixed: Option<&'a Ground>,
+    film: Film,
+    identity: Identity,
+    last: Option<Last>,
+    kinetic: Option<Kinetic<'a>>,
+    next_label: u32,
+    turned: f64,
+}
+
+/// What tracking needs of the frame before.
+struct Last {
+    g: Vec<f64>,
+    positions: Vec<DVec3>,
+    view: View,
+}
+
+impl<'a> Tracking<'a> {
+    fn new(knobs: &'a LinesKnobs, fixed: Option<&'a Ground>) -> Self {
+        Self {
+            knobs,
+            fixed,
+            film: Film::default(),
+            identity: Identity::default(),
+            last: None,
+            kinetic: None,
+            next_label: 0,
+            turned: 0.0,
+        }
+    }
+
+    /// The lines of the `k`-th frame that is ready.
+    fn find(&self, ready: &[Ready], k: usize) -> Lines {
+        let here = &ready[k];
+        let ground = self.fixed.or(here.own.as_deref()).expect("a frame has a surface");
+        let next = ready.get(k + 1).filter(|_| self.fixed.is_some());
+        let moment = Moment {
+            posed: &here.posed,
+            view: &here.view,
+            next: next.map(|n| (n.posed.positions.as_slice(), &n.view)),
+        };
+        let stage =
+            Stage { surface: &ground.surface, features: &ground.features, knobs: self.knobs };
+        Lines::find(&stage, &moment)
+    }
+
+    /// Takes the next frame's lines.
+    fn take(&mut self, ready: &Ready, lines: Lines) {
+        let begins = self.is_cut(&ready.view);
+        let (labels, interval) = match self.fixed {
+            Some(ground) => self.track(ground, &lines, begins),
+            None => (self.fresh_labels(lines.slice.chains.len()), None),
+        };
+        self.identify(ready, &lines, begins, interval.as_ref());
+        if let Some(interval) = interval {
+            self.locate(&interval, &ready.posed.positions, &ready.view);
+            self.film.frames.last_mut().expect("an interval ends a frame").interval = interval;
+        }
+        let stretches = [lines.visible.stretches, lines.visible.split];
+        self.film.frames.push(FilmFrame {
+            view: ready.view,
+            slice: lines.slice,
+            labels,
+            interval: Interval::default(),
+            begins,
+            strokes: lines.strokes,
+            stretches,
+        });
+        self.last =
+            Some(Last { g: lines.g, positions: ready.posed.positions.clone(), view: ready.view });
+    }
+
+    fn fresh_labels(&mut self, count: usize) -> Vec<u32> {
+        let first = self.next_label;
+        self.next_label += count as u32;
+        (first..self.next_label).collect()
+    }
+
+    /// Whether the camera jumped: much, and much more than before.
+    fn is_cut(&mut self, view: &View) -> bool {
+        let Some(last) = &self.last else { return true };
+        let turn = f64::from(last.view.pose.forward.angle_between(view.pose.forward));
+        let before = std::mem::replace(&mut self.turned, turn);
+        self.film.frames.len() > 1 && turn > CUT && turn > SUDDEN * before
+    }
+
+    /// Moves the kinetic structure on; labels of the chains, and what happened since the frame
+    /// before.
+    fn track(
+        &mut self,
+        ground: &'a Ground,
+        lines: &Lines,
+        begins: bool,
+    ) -> (Vec<u32>, Option<Interval>) {
+        let mut interval = None;
+        match (&mut self.kinetic, &self.last, self.film.frames.last()) {
+            (Some(kinetic), Some(last), Some(before)) if !begins => {
+                let slices = [&before.slice, &lines.slice];
+                interval = Some(kinetic.step(&last.g, &lines.g, slices, Order::Time));
+            }
+            _ => {
+                self.kinetic =
+                    Some(Kinetic::new(&ground.surface, &lines.g, &lines.slice, self.next_label));
+            }
+        }
+        let kinetic = self.kinetic.as_ref().expect("it was made just now");
+        self.next_label = kinetic.next_label();
+        let label = |c: &crate::slice::Chain| kinetic.label(c.of(&lines.slice)[0].edge);
+        (lines.slice.chains.iter().map(label).collect(), interval)
+    }
+
+    fn identify(
+        &mut self,
+        ready: &Ready,
+        lines: &Lines,
+        begins: bool,
+        interval: Option<&Interval>,
+    ) {
+        let (silhouettes, edges) = strands(lines, self.fixed.map(|g| &g.features));
+        let forward = interval.map(|i| in_parts(&i.forward));
+        let same: Vec<u32> = (0..edges.stroke.len() as u32).collect();
+        let stay = (!begins).then_some(same.as_slice());
+        let families = [(&silhouettes, forward.as_deref()), (&edges, stay)];
+        self.identity.advance(lines.strokes.len(), &families);
+        if let (None, Some(before), false) = (self.fixed, self.film.frames.last(), begins) {
+            let number = self.film.frames.len();
+            for (a, b, weight) in crate::vote::votes(&before.strokes, &lines.strokes, &ready.view) {
+                let nodes = [(number - 1, a), (number, b)].map(|(f, s)| self.identity.node(f, s));
+                self.identity.link(nodes[0], nodes[1], weight);
+            }
+        }
+    }
+
+    /// Writes down the interval's events, which ended at a pose.
+    fn locate(&mut self, interval: &Interval, positions: &[DVec3], view: &View) {
+        let Some(last) = &self.last else { return };
+        let frame = (self.film.frames.len() - 1) as f64;
+        for event in &interval.events {
+            let v = event.vertex as usize;
+            let world = last.positions[v].lerp(positions[v], event.time);
+            let seen = [&last.view, view].map(|view| view.see(world));
+            let at = match seen {
+                [Some(a), Some(b)] => Some(a.at.lerp(b.at, event.time)),
+                [a, b] => a.or(b).map(|s| s.at),
+            };
+            self.film.events.push(FilmEvent {
+                time: frame + event.time,
+                kind: event.kind,
+                arcs: event.arcs,
+                world,
+                at,
+                strokes: Vec::new(),
+                labels: [event.before.clone(), event.after.clone()],
+            });
+        }
+    }
+
+    fn finish(self) -> Film {
+        let mut film = self.film;
+        for (frame, ids) in film.frames.iter_mut().zip(self.identity.ids()) {
+            frame.strokes.iter_mut().zip(ids).for_each(|(s, id)| s.id = id);
+        }
+        for event in &mut film.events {
+            event.strokes = taking_part(event, &film.frames);
+        }
+        film
+    }
+}
+
+/// Ids of the strokes near an event on the chains that take part in it.
+fn taking_part(event: &FilmEvent, frames: &[FilmFrame]) -> Vec<u32> {
+    let Some(at) = event.at else { return Vec::new() };
+    let first = event.time.floor() as usize;
+    let mut ids = Vec::new();
+    for (frame, labels) in frames[first..].iter().zip(&event.labels) {
+        let is_near = |s: &&Stroke| {
+            s.kind == Kind::Silhouette
+                && labels.contains(&frame.labels[s.chain as usize])
+                && s.samples.iter().any(|p| p.at.distance(at) < NEAR_EVENT)
+        };
+        ids.extend(frame.strokes.iter().filter(is_near).map(|s| s.id));
+    }
+    ids.sort_unstable();
+    ids.dedup();
+    ids
+}
+
+/// Parts of an element that remember on their own: long edges show in pieces.
+const PARTS: usize = 6;
+
+/// The elements of a frame's silhouettes and of its edge lines.
+fn strands(lines: &Lines, features: Option<&Features>) -> (Strands, Strands) {
+    let starts = |counts: &mut dyn Iterator<Item = usize>| {
+        let mut total = 0;
+        let mut starts: Vec<u32> = counts
+            .map(|n| {
+                total += PARTS * n;
+                (total - PARTS * n) as u32
+            })
+            .collect();
+        starts.push(total as u32);
+        starts
+    };
+    let chains = lines.slice.chains.iter();
+    let silhouettes = Strands::empty(starts(&mut chains.map(|c| c.count as usize)));
+    let halves = features.into_iter().flat_map(|f| &f.chains);
+    let edges = Strands::empty(starts(&mut halves.map(|c| c.halves.len())));
+    let mut families = [silhouettes, edges];
+    for (i, path) in lines.paths.iter().enumerate() {
+        let family = usize::from(path.kind != Kind::Silhouette);
+        if family == 0 || features.is_some() {
+            cover(&mut families[family], path, i, lines);
+        }
+    }
+    let [silhouettes, edges] = families;
+    (silhouettes, edges)
+}
+
+/// Writes down which strokes show the elements of a path.
+fn cover(strands: &mut Strands, path: &Path, index: usize, lines: &Lines) {
+    let start = strands.starts[path.chain as usize] as usize;
+    let end = strands.starts[path.chain as usize + 1] as usize;
+    let n = path.segments.len() as f64;
+    let shown: Vec<(u32, crate::visibility::Run)> = (0..lines.strokes.len())
+        .filter(|&s| lines.runs[s].0 == index)
+        .map(|s| (s as u32, lines.runs[s].1))
+        .collect();
+    let stroke = |place: f64| {
+        let covers = |r: &crate::visibility::Run| {
+            (place >= r.start && place <= r.end) || place + n <= r.end
+        };
+        shown.iter().find(|(_, r)| covers(r)).map_or(NONE, |(s, _)| *s)
+    };
+    for k in 0..path.segments.len() {
+        let (a, b) = (path.points[k].on_chain, path.points[k + 1].on_chain);
+        let parts = PARTS as f64;
+        let share = (path.length[k + 1] - path.length[k]) / ((b - a) * parts).max(1.0);
+        let first = (a * parts - 0.5).ceil().max(0.0) as usize;
+        let mut part = first;
+        while (part as f64 + 0.5) / parts < b && start + part < end {
+            let place = k as f64 + ((part as f64 + 0.5) / parts - a) / (b - a);
+            strands.stroke[start + part] = stroke(place);
+            strands.weight[start + part] = share as f32;
+            part += 1;
+        }
+    }
+}
+
+/// The same correspondence for the parts of elements.
+fn in_parts(forward: &[u32]) -> Vec<u32> {
+    let part = |to: u32, p: usize| if to == NONE { NONE } else { to * PARTS as u32 + p as u32 };
+    forward.iter().flat_map(|&to| (0..PARTS).map(move |p| part(to, p))).collect()
+}
