@@ -59,6 +59,18 @@ pub(crate) enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Draw the lines of a scene: silhouettes, creases, borders, each with an id through the film.
+    Lines {
+        #[command(flatten)]
+        scene: SceneArgs,
+        /// A .png, .apng, .svg or .json file, a pattern such as frames/####.svg, or a folder.
+        #[arg(short, long)]
+        output: PathBuf,
+        #[command(flatten)]
+        marks: MarksArgs,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Measure how two pictures differ: PSNR, RMSE, changed pixels.
     Compare {
         /// The picture to judge (PNG, JPEG or EXR).
@@ -213,6 +225,20 @@ pub(crate) struct InkArgs {
     pub(crate) ink: String,
 }
 
+/// How lines are drawn.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct MarksArgs {
+    /// Set a knob, as in width=3; the manual of the library chiaro-lines lists them all.
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub(crate) sets: Vec<String>,
+    /// Colour where there is nothing, or none.
+    #[arg(long, value_name = "COLOUR", default_value = "white")]
+    pub(crate) background: String,
+    /// Colour of the ink.
+    #[arg(long, value_name = "COLOUR", default_value = "black")]
+    pub(crate) ink: String,
+}
+
 impl Command {
     /// The options that all long commands share.
     pub(crate) fn common(&self) -> Option<&Common> {
@@ -221,6 +247,7 @@ impl Command {
             | Self::Info { common, .. }
             | Self::Gbuffer { common, .. }
             | Self::Binary { common, .. }
+            | Self::Lines { common, .. }
             | Self::Compare { common, .. }
             | Self::Figures { common, .. }
             | Self::Mincut { common, .. }

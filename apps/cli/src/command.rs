@@ -6,9 +6,10 @@ use chiaro::film::Target;
 use chiaro::project::Project;
 use chiaro::record::Record;
 use chiaro::style::{self, Style};
-use chiaro::{compare, demo, figures, gbuffer, info, mincut};
+use chiaro::{compare, demo, figures, gbuffer, info, lines, mincut};
 use chiaro_basis::{Error, Result, Run};
 use chiaro_image::colour::parse_colour;
+use chiaro_lines::LinesKnobs;
 use clap::CommandFactory;
 use std::io::Write;
 
@@ -28,7 +29,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
         Command::Binary { scene, output, ink, dump_graph, .. } => {
             let options = scene.options()?;
             let (style, knobs) = knobs(ink)?;
-            let colours = colours(ink)?;
+            let colours = colours(&ink.ink, &ink.background)?;
             let frames = options.frames.as_ref().map_or(1, Vec::len);
             let target = Target::parse(output, frames)?;
             binary::check_target(&target)?;
@@ -42,6 +43,15 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 dump_graph: dump_graph.clone(),
             };
             job.run(run).map(Some)
+        }
+        Command::Lines { scene, output, marks, .. } => {
+            let options = scene.options()?;
+            let mut knobs = LinesKnobs::default();
+            marks.sets.iter().try_for_each(|text| style::set(&mut knobs, text))?;
+            let colours = colours(&marks.ink, &marks.background)?;
+            let target = lines::target(output, options.frames.as_ref().map_or(1, Vec::len))?;
+            let project = Project::open(&scene.scene, options, run)?;
+            lines::Job { project: &project, knobs: &knobs, colours, target }.run(run).map(Some)
         }
         Command::Compare { a, b, .. } => compare::compare(a, b, run).map(Some),
         Command::Mincut { file, output, verify, .. } => {
@@ -70,7 +80,7 @@ fn knobs(ink: &InkArgs) -> Result<(Style, chiaro_binary::BinaryKnobs)> {
     Ok((style, knobs))
 }
 
-fn colours(ink: &InkArgs) -> Result<Colours> {
+fn colours(ink: &str, background: &str) -> Result<Colours> {
     let named = |option: &str, text: &str| {
         parse_colour(text).map_err(|e| match e {
             Error::Setting { got, range, .. } => Error::setting(option, got, range),
@@ -78,8 +88,8 @@ fn colours(ink: &InkArgs) -> Result<Colours> {
         })
     };
     Ok(Colours {
-        ink: named("--ink", &ink.ink)?,
-        background: named("--background", &ink.background)?,
+        ink: named("--ink", ink)?,
+        background: named("--background", background)?,
         ..Colours::default()
     })
 }

@@ -11,7 +11,7 @@
 use crate::path::{Kind, Path, Point, Segment};
 use crate::posed::Posed;
 use crate::slice::{Chain, Crossing, Slice};
-use crate::surface::{NONE, Ring, Surface, previous};
+use crate::surface::{Crease, NONE, Ring, Surface, previous};
 use crate::view::View;
 use chiaro_basis::math::DVec3;
 
@@ -99,39 +99,13 @@ impl Scenery<'_> {
 
     /// A segment along a crease: seen on the outside of a convex edge alone.
     fn strip_segment(&self, face: u32) -> Segment {
-        let sides = |h: u32| {
-            let mate = self.surface.mate[h as usize];
-            (mate != NONE && !self.surface.is_strip(mate as usize / 3)).then_some(mate)
-        };
-        let real: Vec<u32> = (3 * face..3 * face + 3).filter_map(sides).collect();
-        // The other side of a strip of two triangles lies behind its diagonal.
-        let across = |h: u32| {
-            let mate = self.surface.mate[h as usize];
-            (mate != NONE && self.surface.is_strip(mate as usize / 3)).then_some(mate / 3)
-        };
-        let other = || {
-            let neighbours = (3 * face..3 * face + 3).filter_map(across);
-            let halves = neighbours.flat_map(|f| (3 * f..3 * f + 3).filter_map(sides));
-            let mine = *real.first()?;
-            let far = |h: &u32| self.is_same_edge(*h, mine);
-            halves.filter(|h| far(h)).last()
-        };
-        let pair = match real[..] {
-            [l, r] => Some((l, r)),
-            [l] => other().map(|r| (l, r)),
-            _ => None,
-        };
-        match pair {
-            Some((l, r)) => Segment { own: [l / 3, r / 3], buried: !self.is_convex(l, r) },
+        match self.surface.crease_of(face as usize) {
+            Some(Crease { left, right }) => {
+                let buried = !self.is_convex(left, right);
+                Segment { own: [left / 3, right / 3], buried }
+            }
             None => Segment { own: [NONE; 2], buried: true },
         }
-    }
-
-    /// Whether two half-edges run between the same places, one the other way.
-    fn is_same_edge(&self, h: u32, k: u32) -> bool {
-        let anchor = |v: u32| self.surface.anchors[v as usize];
-        anchor(self.surface.from(h)) == anchor(self.surface.to(k))
-            && anchor(self.surface.to(h)) == anchor(self.surface.from(k))
     }
 
     /// Whether the surface bends away from the viewer over the edge between two half-edges.

@@ -134,12 +134,7 @@ fn walk(
 /// Marks half-edges that a chain follows from end to start.
 pub(crate) const BACKWARDS: u32 = 1 << 31;
 
-fn pair(
-    surface: &Surface,
-    positions: &[DVec3],
-    ends: &[End],
-    partner: &mut BTreeMap<End, End>,
-) {
+fn pair(surface: &Surface, positions: &[DVec3], ends: &[End], partner: &mut BTreeMap<End, End>) {
     if let [a, b] = *ends {
         partner.insert(a, b);
         partner.insert(b, a);

@@ -406,9 +406,8 @@ fn cover(strands: &mut Strands, path: &Path, index: usize, lines: &Lines) {
         .map(|s| (s as u32, lines.runs[s].1))
         .collect();
     let stroke = |place: f64| {
-        let covers = |r: &crate::visibility::Run| {
-            (place >= r.start && place <= r.end) || place + n <= r.end
-        };
+        let covers =
+            |r: &crate::visibility::Run| (place >= r.start && place <= r.end) || place + n <= r.end;
         shown.iter().find(|(_, r)| covers(r)).map_or(NONE, |(s, _)| *s)
     };
     for k in 0..path.segments.len() {

@@ -164,7 +164,8 @@ impl Path {
 
     /// The place at a picture length.
     pub fn place_at(&self, length: f64) -> Place {
-        let k = self.length.partition_point(|l| *l <= length).clamp(1, self.length.len().max(2) - 1);
+        let k =
+            self.length.partition_point(|l| *l <= length).clamp(1, self.length.len().max(2) - 1);
         let (a, b) = (self.length[k - 1], self.length[k]);
         let t = if b > a { ((length - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
         (k - 1) as f64 + t

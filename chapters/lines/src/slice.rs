@@ -83,13 +83,21 @@ impl Slice {
             if std::mem::replace(&mut done[edge as usize], true) {
                 break true;
             }
-            self.crossings.push(Crossing { edge, at: crossing(surface, values, edge), face: half / 3 });
+            self.crossings.push(Crossing {
+                edge,
+                at: crossing(surface, values, edge),
+                face: half / 3,
+            });
             let leave = exit(surface, side, half);
             half = surface.mate[leave as usize];
             if half == NONE {
                 let edge = surface.edge[leave as usize];
                 done[edge as usize] = true;
-                self.crossings.push(Crossing { edge, at: crossing(surface, values, edge), face: NONE });
+                self.crossings.push(Crossing {
+                    edge,
+                    at: crossing(surface, values, edge),
+                    face: NONE,
+                });
                 break false;
             }
         };

@@ -41,6 +41,8 @@ pub struct Stroke {
     pub chain: u32,
     /// Whether the last sample is joined to the first, which is not repeated.
     pub closed: bool,
+    /// Whether it is seen; else it is a hidden part.
+    pub visible: bool,
     /// Its samples; silhouettes run with the front side on the left.
     pub samples: Vec<Sample>,
     /// Picture length up to each sample, pixels; for closed strokes one more, the whole.
@@ -55,8 +57,15 @@ impl Stroke {
         let places = places(path, run, step, closed);
         let sample = |place: &Place| sample(path, place.rem_euclid_end(n), view, next_view);
         let samples: Vec<Sample> = places.iter().filter_map(sample).collect();
-        let mut stroke =
-            Self { id: 0, kind: path.kind, chain: path.chain, closed, samples, length: Vec::new() };
+        let mut stroke = Self {
+            id: 0,
+            kind: path.kind,
+            chain: path.chain,
+            closed,
+            visible: true,
+            samples,
+            length: Vec::new(),
+        };
         stroke.measure();
         stroke
     }
@@ -124,7 +133,9 @@ fn places(path: &Path, run: Run, step: f64, closed: bool) -> Vec<Place> {
     let mut places = Vec::new();
     for pair in stops.windows(2).filter(|p| p[1] - p[0] > 1e-3) {
         let count = ((pair[1] - pair[0]) / step).ceil().max(1.0);
-        places.extend((0..count as usize).map(|i| at(pair[0] + (pair[1] - pair[0]) * i as f64 / count)));
+        places.extend(
+            (0..count as usize).map(|i| at(pair[0] + (pair[1] - pair[0]) * i as f64 / count)),
+        );
     }
     if !closed || places.is_empty() {
         places.push(run.end);

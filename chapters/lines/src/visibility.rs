@@ -150,7 +150,8 @@ impl Looker<'_> {
     fn change(&self, mut from: f64, mut to: f64, seen: bool) -> Place {
         while to - from > 0.1 {
             let middle = 0.5 * (from + to);
-            let side = if self.sees(self.path.place_at(middle)) == seen { &mut from } else { &mut to };
+            let side =
+                if self.sees(self.path.place_at(middle)) == seen { &mut from } else { &mut to };
             *side = middle;
         }
         self.path.place_at(0.5 * (from + to))
@@ -281,7 +282,8 @@ fn cross(a: &Line, b: &Line, here: impl Fn(DVec2) -> bool, cuts: &mut [Vec<Place
     let (u, v, w) = (a.b - a.a, b.b - b.a, b.a - a.a);
     let det = u.perp_dot(v);
     let (s, t) = (w.perp_dot(v) / det, w.perp_dot(u) / det);
-    if !((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)) || !here(a.a + u * s) {
+    let inside = (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t);
+    if !(inside && here(a.a + u * s)) {
         return;
     }
     if a.path == b.path && a.index.abs_diff(b.index) <= 1 {
@@ -334,7 +336,8 @@ impl Cells {
 
     /// Column and row; the first of each holds what is left of or above the picture.
     fn grid(&self, p: DVec2) -> (usize, usize) {
-        let clamp = |x: f64, n: usize| ((x / CELL).floor() + 1.0).clamp(0.0, (n - 1) as f64) as usize;
+        let clamp =
+            |x: f64, n: usize| ((x / CELL).floor() + 1.0).clamp(0.0, (n - 1) as f64) as usize;
         (clamp(p.x, self.columns), clamp(p.y, self.rows))
     }
 

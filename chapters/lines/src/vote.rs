@@ -38,7 +38,8 @@ fn one_way(from: &[Stroke], to: &[Stroke], reach: f64) -> Vec<(usize, usize, f64
 
 fn nearest(sample: &Sample, of: &Stroke, strokes: &[Stroke], reach: f64) -> Option<usize> {
     let all = strokes.iter().enumerate().filter(|(_, s)| s.kind == of.kind);
-    let distances = all.flat_map(|(j, s)| s.samples.iter().map(move |p| (p.at.distance(sample.at), j)));
+    let distances =
+        all.flat_map(|(j, s)| s.samples.iter().map(move |p| (p.at.distance(sample.at), j)));
     let best = distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
     (best.0 < reach).then_some(best.1)
 }

@@ -161,31 +161,8 @@ impl<'a> Shot<'a> {
 
     /// What decides the view and the light, for recipes.
     pub fn view_settings(&self) -> Map<String, Value> {
-        let (project, o) = (self.project, &self.project.options);
-        let mut s = Map::new();
-        let mut put = |name: &str, value: Value| s.insert(name.into(), value);
-        put("input", project.file_name().into());
-        put("input_sha256", project.hash.clone().into());
-        put("size", json!([self.camera.size.0, self.camera.size.1]));
-        put("camera", self.camera.note.clone().into());
-        put(
-            "camera_choice",
-            json!({
-                "camera": o.camera, "from": o.from, "look_at": o.look_at, "fov": o.fov,
-                "orbit": o.orbit, "turntable": o.turntable, "up": format!("{:?}", o.up),
-            }),
-        );
-        put(
-            "time",
-            json!({
-                "fps": o.fps, "time": o.time, "loop": o.looped,
-                "animation": format!("{:?}", o.animation), "shot": project.shot(),
-            }),
-        );
-        if let Some([from, look_at]) = self.camera.numbers() {
-            put("view", json!({ "from": from.to_array(), "look_at": look_at.to_array() }));
-        }
-        put("sun", json!(o.sun));
+        let mut s = self.camera.settings(self.project);
+        s.insert("sun".into(), json!(self.project.options.sun));
         s
     }
 
@@ -335,7 +312,7 @@ impl Job<'_> {
     }
 }
 
-fn json_of(value: &chiaro_basis::Value) -> Value {
+pub(crate) fn json_of(value: &chiaro_basis::Value) -> Value {
     match value {
         chiaro_basis::Value::Number(x) => json!(x),
         chiaro_basis::Value::Count(n) => json!(n),

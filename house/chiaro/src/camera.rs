@@ -6,6 +6,7 @@ use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Error, Result, Run, nearest};
 use chiaro_scene::{Bounds, Frame, Pose, Projection};
 use chiaro_trace::{Tracer, view};
+use serde_json::{Map, Value, json};
 
 /// The longer side of a picture whose size nobody chose, in pixels.
 const DEFAULT_SIDE: f32 = 1024.0;
@@ -128,6 +129,35 @@ impl Camera {
             Source::Scene { .. } => None,
             Source::Fixed { pose, .. } => Some([pose.position, pose.position + pose.forward]),
         }
+    }
+
+    /// What decides the view, for recipes.
+    pub fn settings(&self, project: &Project) -> Map<String, Value> {
+        let o = &project.options;
+        let mut s = Map::new();
+        let mut put = |name: &str, value: Value| s.insert(name.into(), value);
+        put("input", project.file_name().into());
+        put("input_sha256", project.hash.clone().into());
+        put("size", json!([self.size.0, self.size.1]));
+        put("camera", self.note.clone().into());
+        put(
+            "camera_choice",
+            json!({
+                "camera": o.camera, "from": o.from, "look_at": o.look_at, "fov": o.fov,
+                "orbit": o.orbit, "turntable": o.turntable, "up": format!("{:?}", o.up),
+            }),
+        );
+        put(
+            "time",
+            json!({
+                "fps": o.fps, "time": o.time, "loop": o.looped,
+                "animation": format!("{:?}", o.animation), "shot": project.shot(),
+            }),
+        );
+        if let Some([from, look_at]) = self.numbers() {
+            put("view", json!({ "from": from.to_array(), "look_at": look_at.to_array() }));
+        }
+        s
     }
 
     /// The same camera with a picture `height` pixels high.

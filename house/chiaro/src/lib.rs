@@ -15,6 +15,7 @@ pub mod film;
 pub mod gbuffer;
 pub mod info;
 mod lighting;
+pub mod lines;
 pub mod mincut;
 pub mod number;
 pub mod page;

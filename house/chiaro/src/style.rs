@@ -104,7 +104,7 @@ fn set_all(knobs: &mut BinaryKnobs, file: &str, table: &toml::Table) -> Result<(
 }
 
 /// Sets one knob from `key=value`, as `--set` has it.
-pub fn set(knobs: &mut BinaryKnobs, text: &str) -> Result<()> {
+pub fn set(knobs: &mut impl Knobs, text: &str) -> Result<()> {
     let (key, value) = text
         .split_once('=')
         .ok_or_else(|| Error::setting("--set", text, "a knob and its value, as in global=0.5"))?;

@@ -45,10 +45,13 @@ pub(super) fn surface(mut corners: Corners) -> Surface {
         if corners.hard[half as usize] && half < mate {
             surface.creases.push(Crease { left: half, right: mate });
             strip(&mut surface, half, mate, &mut rungs);
+            let crease = surface.creases.len() as u32 - 1;
+            surface.strips.resize(surface.faces.len() - surface.real_faces, crease);
         }
     }
     join_rungs(&mut surface, &rungs);
     fill_corners(&mut surface);
+    surface.strips.resize(surface.faces.len() - surface.real_faces, NONE);
     surface.finish();
     surface
 }
@@ -168,9 +171,8 @@ fn join_rungs(surface: &mut Surface, rungs: &Rungs) {
 /// place.
 fn fill_corners(surface: &mut Surface) {
     let first = 3 * surface.real_faces as u32;
-    let open: Vec<u32> = (first..surface.mate.len() as u32)
-        .filter(|&h| surface.mate[h as usize] == NONE)
-        .collect();
+    let open: Vec<u32> =
+        (first..surface.mate.len() as u32).filter(|&h| surface.mate[h as usize] == NONE).collect();
     let mut leaving: HashMap<u32, u32> = open.iter().map(|&h| (surface.from(h), h)).collect();
     for &start in &open {
         let mut ring = Vec::new();

@@ -76,12 +76,7 @@ impl Part {
     }
 }
 
-fn creases(
-    topology: &Topology,
-    mesh: &Mesh,
-    positions: &[Vec3],
-    rule: &CreaseRule,
-) -> Vec<bool> {
+fn creases(topology: &Topology, mesh: &Mesh, positions: &[Vec3], rule: &CreaseRule) -> Vec<bool> {
     let sharp = crease::by_angle(topology, positions, rule.smooth_angle);
     let bent = crease::by_angle(topology, positions, rule.angle);
     let shaded = match &mesh.normals {
@@ -116,7 +111,7 @@ fn wind_alike(topology: &Topology) -> Vec<bool> {
                 let other = twin.face();
                 if !seen[other] {
                     seen[other] = true;
-                    turned[other] = turned[face] != !topology.is_consistent(edge);
+                    turned[other] = turned[face] == topology.is_consistent(edge);
                     piece.push(other);
                 }
             }

@@ -79,6 +79,8 @@ pub struct Surface {
     pub out: Vec<u32>,
     /// The creases.
     pub creases: Vec<Crease>,
+    /// The crease of each face of a strip, or [`NONE`] for those that fill corners.
+    pub strips: Vec<u32>,
     /// What had to be cut or turned over, in sentences.
     pub notes: Vec<String>,
 }
@@ -108,6 +110,12 @@ impl Surface {
     /// Whether a face is part of a crease's strip.
     pub fn is_strip(&self, face: usize) -> bool {
         face >= self.real_faces
+    }
+
+    /// The crease whose strip a face is part of.
+    pub fn crease_of(&self, face: usize) -> Option<Crease> {
+        let crease = *self.strips.get(face.checked_sub(self.real_faces)?)?;
+        self.creases.get(crease as usize).copied()
     }
 
     /// Whether an edge has one face alone.

@@ -185,7 +185,8 @@ impl State<'_> {
     fn runs(&mut self, vertex: u32) -> Runs {
         self.ring.walk(self.surface, vertex);
         let n = self.ring.around.len();
-        let crossed = |i: usize| self.side[self.ring.around[i % n] as usize] != self.side[vertex as usize];
+        let crossed =
+            |i: usize| self.side[self.ring.around[i % n] as usize] != self.side[vertex as usize];
         let start = if self.ring.closed {
             (0..n).find(|&i| crossed(i) != crossed(i + n - 1)).unwrap_or(0)
         } else {
@@ -369,7 +370,8 @@ impl State<'_> {
             let entry = (3 * face..3 * face + 3).find(|&h| {
                 self.side[self.surface.from(h) as usize] && !self.side[self.surface.to(h) as usize]
             });
-            edge = self.surface.edge[entry.expect("a chain enters every face that it leaves") as usize];
+            edge = self.surface.edge
+                [entry.expect("a chain enters every face that it leaves") as usize];
             edges.push(edge);
         }
     }

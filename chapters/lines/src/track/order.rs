@@ -68,8 +68,7 @@ fn batched(
     batch: &[Pending],
     apply: &mut impl FnMut(&mut State<'_>, Pending),
 ) {
-    let mut time: std::collections::BTreeMap<u32, f64> =
-        batch.iter().map(|f| (f.1, f.0)).collect();
+    let mut time: std::collections::BTreeMap<u32, f64> = batch.iter().map(|f| (f.1, f.0)).collect();
     let mut queue: BTreeSet<(u8, u32)> = batch.iter().map(|f| (state.rank(f.1), f.1)).collect();
     let mut rank: std::collections::BTreeMap<u32, u8> = queue.iter().map(|q| (q.1, q.0)).collect();
     while let Some((_, vertex)) = queue.pop_first() {

@@ -1,0 +1,142 @@
+//! Measures of a film's lines: the record's counts, rows L4 and L5.
+
+use crate::film::{Film, FilmFrame};
+use crate::stroke::Stroke;
+use crate::track::EventKind;
+use chiaro_basis::math::DVec2;
+use std::collections::BTreeMap;
+
+/// A stroke below this length is short, pixels.
+const SHORT: f64 = 10.0;
+/// Another stroke must be nearer by this much to take a material point away, pixels.
+const NEARER: f64 = 2.0;
+
+/// What a film's lines amount to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// Frames.
+    pub frames: usize,
+    /// Ids.
+    pub strokes: usize,
+    /// Strokes a frame.
+    pub strokes_per_frame: f64,
+    /// Frames in which an id is seen, on average.
+    pub mean_life_frames: f64,
+    /// Births, deaths and saddles of silhouettes; a k-fold saddle counts k - 1 times.
+    pub events: [u64; 3],
+    /// Share of strokes under 10 pixels.
+    pub short_strokes_share: f64,
+    /// Share of the visible length whose material point finds its own id one frame later, no other
+    /// stroke of its type nearer by 2 px; 1 where nothing has a next frame.
+    pub one_to_one: f64,
+    /// Ids that appear or vanish inside the film, a frame pair.
+    pub id_changes: f64,
+    /// Share of stretches whose visibility votes did not agree.
+    pub split_share: f64,
+}
+
+/// Measures a film.
+pub fn measure(film: &Film) -> Measures {
+    let strokes = film.frames.iter().map(|f| f.strokes.len()).sum::<usize>();
+    let mut lives: BTreeMap<u32, [usize; 3]> = BTreeMap::new();
+    for (i, frame) in film.frames.iter().enumerate() {
+        for s in &frame.strokes {
+            let life = lives.entry(s.id).or_insert([i, i, 0]);
+            life[1] = i;
+            life[2] += 1;
+        }
+    }
+    let last = film.frames.len().saturating_sub(1);
+    let inside = |l: &[usize; 3]| usize::from(l[0] > 0) + usize::from(l[1] < last);
+    let short = film.frames.iter().flat_map(|f| &f.strokes).filter(|s| s.total() < SHORT).count();
+    let stretches =
+        film.frames.iter().fold([0u64; 2], |a, f| [a[0] + f.stretches[0], a[1] + f.stretches[1]]);
+    let share = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+    Measures {
+        frames: film.frames.len(),
+        strokes: lives.len(),
+        strokes_per_frame: share(strokes as f64, film.frames.len() as f64),
+        mean_life_frames: share(lives.values().map(|l| l[2] as f64).sum(), lives.len() as f64),
+        events: events(film),
+        short_strokes_share: share(short as f64, strokes as f64),
+        one_to_one: one_to_one(film),
+        id_changes: share(lives.values().map(|l| inside(l) as f64).sum(), last as f64),
+        split_share: share(stretches[1] as f64, stretches[0] as f64),
+    }
+}
+
+impl Measures {
+    /// Names and values for records.
+    pub fn named(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("frames", self.frames as f64),
+            ("strokes", self.strokes as f64),
+            ("strokes_per_frame", self.strokes_per_frame),
+            ("mean_life_frames", self.mean_life_frames),
+            ("births", self.events[0] as f64),
+            ("deaths", self.events[1] as f64),
+            ("saddles", self.events[2] as f64),
+            ("short_strokes_share", self.short_strokes_share),
+            ("one_to_one_share", self.one_to_one),
+            ("id_changes_per_frame", self.id_changes),
+            ("split_stretches_share", self.split_share),
+        ]
+    }
+}
+
+fn events(film: &Film) -> [u64; 3] {
+    let mut counts = [0; 3];
+    for event in &film.events {
+        match event.kind {
+            EventKind::Birth => counts[0] += 1,
+            EventKind::Death => counts[1] += 1,
+            EventKind::Saddle => counts[2] += u64::from(event.arcs.max(2) - 1),
+        }
+    }
+    counts
+}
+
+fn one_to_one(film: &Film) -> f64 {
+    let (mut found, mut all) = (0.0, 0.0);
+    for pair in film.frames.windows(2).filter(|p| !p[1].begins) {
+        for stroke in &pair[0].strokes {
+            let [own, total] = kept(stroke, &pair[1]);
+            found += own;
+            all += total;
+        }
+    }
+    if all > 0.0 { found / all } else { 1.0 }
+}
+
+/// Length of a stroke that finds its own id in the next frame, and that has a next frame at all.
+fn kept(stroke: &Stroke, next: &FilmFrame) -> [f64; 2] {
+    let weight = stroke.total() / stroke.samples.len() as f64;
+    let mut sums = [0.0; 2];
+    for at in stroke.samples.iter().filter_map(|s| s.next_at) {
+        let of = |own: bool| {
+            let same = next.strokes.iter().filter(|s| s.kind == stroke.kind);
+            let these = same.filter(|s| (s.id == stroke.id) == own);
+            these.map(|s| distance(s, at)).fold(f64::INFINITY, f64::min)
+        };
+        let (own, other) = (of(true), of(false));
+        sums[1] += weight;
+        if own.is_finite() && other > own - NEARER {
+            sums[0] += weight;
+        }
+    }
+    sums
+}
+
+/// Distance of a picture position from a stroke.
+pub fn distance(stroke: &Stroke, at: DVec2) -> f64 {
+    let s = &stroke.samples;
+    let around = stroke.closed.then(|| (s[s.len() - 1].at, s[0].at));
+    let segments = s.windows(2).map(|p| (p[0].at, p[1].at)).chain(around);
+    segments.map(|(a, b)| to_segment(at, a, b)).fold(f64::INFINITY, f64::min)
+}
+
+fn to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let d = b - a;
+    let t = ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0);
+    p.distance(if t.is_finite() { a + d * t } else { a })
+}

@@ -1,0 +1,127 @@
+//! Lines as JSON, for other programs.
+//!
+//! Pixels to a thousandth, y down; world coordinates as they round to seven digits. The first sample
+//! of a closed stroke is not repeated.
+
+use super::Shot;
+use chiaro_basis::math::{DVec2, DVec3};
+use chiaro_lines::{FilmEvent, FilmFrame, Stroke};
+use std::fmt::Write;
+
+/// The frames `wanted` of a shot, with the events between them.
+pub(super) fn document(shot: &Shot, wanted: &[u32]) -> String {
+    let mut text = String::from("{\"frames\":[");
+    let frames = shot.numbers.iter().zip(&shot.film.frames);
+    let chosen = frames.filter(|(n, _)| wanted.contains(n));
+    join(&mut text, chosen, |text, (number, f)| frame(text, *number, f));
+    text += "\n],\"events\":[";
+    let events = shot.film.events.iter().map(|e| (number_of(&shot.numbers, e.time), e));
+    let (low, high) = (wanted.iter().min(), wanted.iter().max());
+    let inside = |t: f64| {
+        low.is_some_and(|l| t >= f64::from(*l)) && high.is_some_and(|h| t <= f64::from(*h))
+    };
+    join(&mut text, events.filter(|(t, _)| inside(*t)), |text, (time, e)| event(text, time, e));
+    text += "\n]}\n";
+    text
+}
+
+/// The frame number at a fractional index of the shot.
+fn number_of(numbers: &[u32], index: f64) -> f64 {
+    let i = (index as usize).min(numbers.len() - 1);
+    let next = numbers.get(i + 1).map_or(f64::from(numbers[i]) + 1.0, |n| f64::from(*n));
+    f64::from(numbers[i]) + (index - i as f64) * (next - f64::from(numbers[i]))
+}
+
+fn join<T>(text: &mut String, items: impl Iterator<Item = T>, mut put: impl FnMut(&mut String, T)) {
+    for (i, item) in items.enumerate() {
+        if i > 0 {
+            text.push(',');
+        }
+        put(text, item);
+    }
+}
+
+fn frame(text: &mut String, number: u32, frame: &FilmFrame) {
+    let view = &frame.view;
+    let aspect = view.size.0 as f32 / view.size.1 as f32;
+    let matrix = view.pose.clip_from_world(aspect).transpose().to_cols_array();
+    let _ = write!(text, "\n{{\"frame\":{number},\"clip_from_world\":[");
+    join(text, matrix.into_iter(), |t, x| float(t, f64::from(x)));
+    text.push_str("],\"strokes\":[");
+    join(text, frame.strokes.iter(), stroke);
+    text.push_str("]}");
+}
+
+fn stroke(text: &mut String, s: &Stroke) {
+    let _ = write!(
+        text,
+        "\n{{\"id\":{},\"type\":\"{}\",\"closed\":{},\"points\":[",
+        s.id,
+        s.kind.name(),
+        s.closed
+    );
+    join(text, s.samples.iter(), |t, p| point(t, p.at));
+    text.push_str("],\"visible\":[");
+    join(text, s.samples.iter(), |t, _| t.push(if s.visible { '1' } else { '0' }));
+    text.push_str("],\"u\":[");
+    join(text, s.length.iter().take(s.samples.len()), |t, l| pixels(t, *l));
+    text.push_str("],\"pixels_per_u\":1.0,\"u_period\":");
+    match s.closed {
+        true => pixels(text, s.total()),
+        false => text.push_str("null"),
+    }
+    text.push_str(",\"next\":[");
+    join(text, s.samples.iter(), |t, p| option(t, p.next_at, point));
+    text.push_str("],\"world\":[");
+    join(text, s.samples.iter(), |t, p| place(t, p.world));
+    text.push_str("],\"next_world\":[");
+    let next = s.samples.iter().map(|p| p.next_at.and(p.next_world));
+    join(text, next, |t, p| option(t, p, place));
+    text.push_str("],\"depth\":[");
+    join(text, s.samples.iter(), |t, p| float(t, p.depth));
+    text.push_str("]}");
+}
+
+fn event(text: &mut String, time: f64, e: &FilmEvent) {
+    let _ = write!(text, "\n{{\"frame\":{time:.6},\"kind\":\"{}\",\"x\":", e.kind.name());
+    option(text, e.at.map(|p| p.x), pixels);
+    text.push_str(",\"y\":");
+    option(text, e.at.map(|p| p.y), pixels);
+    text.push_str(",\"world\":");
+    place(text, e.world);
+    text.push_str(",\"strokes\":[");
+    join(text, e.strokes.iter(), |t, id| {
+        let _ = write!(t, "{id}");
+    });
+    text.push_str("]}");
+}
+
+fn option<T>(text: &mut String, value: Option<T>, put: impl Fn(&mut String, T)) {
+    match value {
+        Some(value) => put(text, value),
+        None => text.push_str("null"),
+    }
+}
+
+fn point(text: &mut String, p: DVec2) {
+    text.push('[');
+    pixels(text, p.x);
+    text.push(',');
+    pixels(text, p.y);
+    text.push(']');
+}
+
+fn place(text: &mut String, p: DVec3) {
+    text.push('[');
+    join(text, p.to_array().into_iter(), float);
+    text.push(']');
+}
+
+fn pixels(text: &mut String, x: f64) {
+    let _ = write!(text, "{}", (x * 1000.0).round() / 1000.0 + 0.0);
+}
+
+/// As many digits as single precision holds.
+fn float(text: &mut String, x: f64) {
+    let _ = write!(text, "{}", x as f32);
+}
