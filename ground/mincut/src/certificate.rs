@@ -94,21 +94,57 @@ pub fn verify(graph: &Graph, cut: &GraphCut) -> Result<(), Flaw> {
     if cost != counted || cut.cut != cut.flow {
         return Err(Flaw::Cut { flow: cut.flow, cost });
     }
-    let reached = reached(graph, cut);
-    match (0..nodes).find(|&v| reached[v] != cut.labels[v]) {
-        Some(node) => Err(Flaw::Canonical { node }),
-        None => Ok(()),
+    let roots = |v: usize| cut.terminal_flow[v][0] < graph.terminal[v][0];
+    verify_canonical(graph, &cut.labels, &cut.edge_flow, roots)
+}
+
+/// Checks that `labels` are the canonical minimal cut of `graph` by a lower bound, for flows that
+/// need not be conserved: such as those of a solution that was changed and solved again.
+///
+/// Whatever the edges carry within their capacities, a cut pays each node's `white` where it is
+/// black, its `black` and what its edges give away where it is white, and what the edges have left
+/// (Kohli and Torr 2007, "reparametrization"). So the sum of the smaller of the two is no more than
+/// any cut, and labels that cost as much are minimal.
+pub(crate) fn verify_bound(
+    graph: &Graph,
+    labels: &[bool],
+    flow: i64,
+    edge_flow: &[i64],
+) -> Result<(), Flaw> {
+    if [labels.len(), edge_flow.len()] != [graph.terminal.len(), graph.edges.len()] {
+        return Err(Flaw::Length);
     }
+    verify_edges(graph, edge_flow)?;
+    let mut paid: Vec<i128> = graph.terminal.iter().map(|t| i128::from(t[1])).collect();
+    for (edge, &flow) in graph.edges.iter().zip(edge_flow) {
+        paid[edge.ends[0] as usize] += i128::from(flow);
+        paid[edge.ends[1] as usize] -= i128::from(flow);
+    }
+    let white = |v: usize| i128::from(graph.terminal[v][0]);
+    let counted = (0..paid.len()).map(|v| paid[v].min(white(v))).sum();
+    if counted != i128::from(flow) {
+        return Err(Flaw::Value { flow, counted });
+    }
+    let cost = graph.energy(labels);
+    if cost != counted {
+        return Err(Flaw::Cut { flow, cost });
+    }
+    verify_canonical(graph, labels, edge_flow, |v| paid[v] < white(v))
 }
 
 /// Every flow is within its capacity.
 fn verify_bounds(graph: &Graph, cut: &GraphCut) -> Result<(), Flaw> {
+    verify_edges(graph, &cut.edge_flow)?;
     for (node, (flow, capacity)) in cut.terminal_flow.iter().zip(&graph.terminal).enumerate() {
         if let Some(side) = (0..2).find(|&side| !(0..=capacity[side]).contains(&flow[side])) {
             return Err(Flaw::Capacity { place: format!("node {node}"), flow: flow[side] });
         }
     }
-    for (index, (&flow, edge)) in cut.edge_flow.iter().zip(&graph.edges).enumerate() {
+    Ok(())
+}
+
+fn verify_edges(graph: &Graph, edge_flow: &[i64]) -> Result<(), Flaw> {
+    for (index, (&flow, edge)) in edge_flow.iter().zip(&graph.edges).enumerate() {
         if !(-edge.back..=edge.forth).contains(&flow) {
             return Err(Flaw::Capacity { place: format!("edge {index}"), flow });
         }
@@ -130,8 +166,21 @@ fn verify_conservation(graph: &Graph, cut: &GraphCut) -> Result<(), Flaw> {
     }
 }
 
-/// The nodes that white still reaches over what the flow leaves.
-fn reached(graph: &Graph, cut: &GraphCut) -> Vec<bool> {
+/// White is exactly what is reached from the roots over what the flow leaves.
+fn verify_canonical(
+    graph: &Graph,
+    labels: &[bool],
+    edge_flow: &[i64],
+    is_root: impl Fn(usize) -> bool,
+) -> Result<(), Flaw> {
+    let reached = reached(graph, edge_flow, is_root);
+    match (0..labels.len()).find(|&v| reached[v] != labels[v]) {
+        Some(node) => Err(Flaw::Canonical { node }),
+        None => Ok(()),
+    }
+}
+
+fn reached(graph: &Graph, edge_flow: &[i64], is_root: impl Fn(usize) -> bool) -> Vec<bool> {
     // The edges of each node, one after the other.
     let mut first = vec![0usize; graph.terminal.len() + 1];
     for v in graph.edges.iter().flat_map(|e| e.ends) {
@@ -148,13 +197,12 @@ fn reached(graph: &Graph, cut: &GraphCut) -> Vec<bool> {
             next[v] += 1;
         }
     }
-    let holds = |v: &usize| cut.terminal_flow[*v][0] < graph.terminal[*v][0];
-    let mut queue: Vec<usize> = (0..graph.terminal.len()).filter(holds).collect();
+    let mut queue: Vec<usize> = (0..graph.terminal.len()).filter(|&v| is_root(v)).collect();
     let mut reached = vec![false; graph.terminal.len()];
     queue.iter().for_each(|&v| reached[v] = true);
     while let Some(v) = queue.pop() {
         for &index in &sorted[first[v]..first[v + 1]] {
-            let (edge, flow) = (graph.edges[index as usize], cut.edge_flow[index as usize]);
+            let (edge, flow) = (graph.edges[index as usize], edge_flow[index as usize]);
             let [a, b] = edge.ends.map(|v| v as usize);
             let open = |from: usize| if from == a { flow < edge.forth } else { -flow < edge.back };
             let w = if v == a { b } else { a };

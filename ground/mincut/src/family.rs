@@ -7,15 +7,22 @@
 //! They are found by divide and conquer. Each pixel has an interval that holds its breakpoint; a
 //! cut at the interval's middle halves it. Pixels with the same interval form a sub-problem, and
 //! towards all others they are bound: who has a lower interval is white by then, who has a higher
-//! one is still black. So the sub-problems of a round touch nowhere, and **one** cut of the grid
-//! solves them all. A range of `n` shifts takes `log2 n` cuts, whatever is on the picture.
+//! one is still black. So the sub-problems of a round touch nowhere, and one search over the grid
+//! solves them all.
+//!
+//! The flow is kept from round to round. Where a cut parts two pixels the link is saturated; it will
+//! not be asked again and is taken out, and the flow over it stays with its ends as if they were
+//! terminals, which is just what binding them means. Inside a sub-problem only the shift changes, by
+//! half as much in each round.
 
+use crate::capacity::Capacity;
 use crate::grid::{Grid, GridError};
-use crate::solve;
+use crate::network::Network;
+use crate::repair::Mutable;
+use crate::residual::Residual;
+use crate::search::Search;
+use crate::solved;
 use std::ops::RangeInclusive;
-
-/// More than what all neighbours of a pixel can pay: as good as bound.
-const BOUND: i64 = 1 << 30;
 
 /// The canonical minimal cuts of a grid for every shift in a range.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,13 +40,8 @@ impl Family {
     pub fn new(grid: &Grid, shifts: RangeInclusive<i32>) -> Result<Self, GridError> {
         grid.check()?;
         let shifts = [*shifts.start(), (*shifts.end()).min(i32::MAX - 1)];
-        let members = i64::from(shifts[1]) - i64::from(shifts[0]) + 1;
-        let pull = |pixel: usize, member: u32| {
-            let [white, black] = grid.terminal[pixel].map(i64::from);
-            white - black + i64::from(shifts[0]) + i64::from(member)
-        };
-        let nested = Nested { grid, pull, bond: |_| 1 };
-        let found = nested.solve(members.max(0) as u32)?;
+        let members = (i64::from(shifts[1]) - i64::from(shifts[0]) + 1).max(0);
+        let found = first_white(grid, shifts[0].into(), members as u32);
         let breakpoint = |(&member, &node): (&u32, &bool)| {
             let shift = i64::from(shifts[0]) + i64::from(member);
             if node && shift <= i64::from(shifts[1]) { shift as i32 } else { i32::MAX }
@@ -67,98 +69,88 @@ impl Family {
     }
 }
 
-/// A family of cuts, its members counted from 0, on the grid's mask.
-pub(crate) struct Nested<'a, P, B> {
-    /// The neighbours; the terminals are not looked at.
-    pub(crate) grid: &'a Grid<'a>,
-    /// What draws a pixel to white in a member. It must not fall from one member to the next.
-    pub(crate) pull: P,
-    /// What neighbour capacities are multiplied by in a member. Pulls are compared to it.
-    pub(crate) bond: B,
+/// Of each pixel the first member in which it is white, `members` if none: the one whose shift is
+/// `first` counts as 0.
+fn first_white(grid: &Grid, first: i64, members: u32) -> Vec<u32> {
+    let mut intervals = vec![[0, members]; grid.mask.len()];
+    if intervals.is_empty() || members == 0 {
+        return vec![0; intervals.len()];
+    }
+    let bound = i64::from(i32::LIMIT);
+    let pull = |pixel: usize, member: u32| {
+        let [white, black] = grid.terminal[pixel].map(i64::from);
+        (white - black + first + i64::from(member)).clamp(-bound, bound)
+    };
+    let start = (0..intervals.len()).map(|p| pull(p, middle([0, members])) as i32);
+    let terminal: Vec<[i32; 2]> = start.map(|p| [p.max(0), (-p).max(0)]).collect();
+    let start = Grid { terminal: &terminal, ..*grid };
+    let (mut search, _) = solved::<i32>(&start).expect("a checked grid fits 32 bits");
+    loop {
+        part(grid, &mut search, &intervals);
+        if !halve(grid, &mut search, &mut intervals, &pull) {
+            return intervals.iter().map(|&[low, _]| low).collect();
+        }
+        search.restart();
+        search.run().expect("a path is shorter than the range of 32 bits");
+    }
 }
 
-impl<P: Fn(usize, u32) -> i64, B: Fn(u32) -> i32> Nested<'_, P, B> {
-    /// Of each pixel the first member in which it is white, `members` if none.
-    pub(crate) fn solve(&self, members: u32) -> Result<Vec<u32>, GridError> {
-        let pixels = self.grid.mask.len();
-        let mut intervals = vec![[0, members]; pixels];
-        let mut terminal = vec![[0; 2]; pixels];
-        let mut neighbour = vec![[0; 4]; pixels];
-        let mut open = self.grid.mask.to_vec();
-        loop {
-            for (open, [low, high]) in open.iter_mut().zip(&intervals) {
-                *open &= low < high;
+/// Takes out the links that the cut of a sub-problem parts.
+fn part(grid: &Grid, search: &mut Search<Residual<i32>>, intervals: &[[u32; 2]]) {
+    let (width, height) = (grid.width, grid.height);
+    for pixel in (0..intervals.len()).filter(|&p| is_open(grid, intervals, p)) {
+        let (x, y) = (pixel % width, pixel / width);
+        let v = search.network.node(pixel);
+        let ends = [(x + 1, y), (x + 1, y + 1), (x, y + 1), (x.wrapping_sub(1), y + 1)];
+        for (link, (u, row)) in ends.into_iter().enumerate() {
+            if u >= width || row >= height {
+                continue;
             }
-            if !open.contains(&true) {
-                return Ok(intervals.iter().map(|&[low, _]| low).collect());
-            }
-            self.part(&open, &intervals, &mut terminal, &mut neighbour);
-            let (width, height) = (self.grid.width, self.grid.height);
-            let grid =
-                Grid { width, height, mask: &open, terminal: &terminal, neighbour: &neighbour };
-            let cut = solve(&grid)?;
-            for (pixel, interval) in intervals.iter_mut().enumerate().filter(|(p, _)| open[*p]) {
-                let middle = middle(*interval);
-                *interval = if cut.labels[pixel] {
-                    [interval[0], middle]
-                } else {
-                    [middle + 1, interval[1]]
-                };
+            let end = row * width + u;
+            let w = search.network.node(end);
+            let parts = grid.mask[end]
+                && intervals[end] == intervals[pixel]
+                && search.is_white(v) != search.is_white(w);
+            if let (true, Some(arc)) = (parts, search.network.arc(v, link)) {
+                search.network.set_residuals(v, arc, [0; 2]);
             }
         }
     }
+}
 
-    /// States the cut at the middle of each interval; neighbours of other intervals are bound.
-    fn part(
-        &self,
-        open: &[bool],
-        intervals: &[[u32; 2]],
-        terminal: &mut [[i32; 2]],
-        neighbour: &mut [[i32; 4]],
-    ) {
-        let (width, height) = (self.grid.width, self.grid.height);
-        let mut pulls = vec![0i64; 2 * width];
-        for y in 0..height {
-            // The row below gathers what this one binds; its own pull is added when it comes up.
-            pulls.copy_within(width.., 0);
-            pulls[width..].fill(0);
-            for x in 0..width {
-                let pixel = y * width + x;
-                let ends = [(x + 1, y), (x + 1, y + 1), (x, y + 1), (x.wrapping_sub(1), y + 1)];
-                for (link, (u, v)) in ends.into_iter().enumerate() {
-                    neighbour[pixel][link] = 0;
-                    if u >= width || v >= height {
-                        continue;
-                    }
-                    let end = v * width + u;
-                    if !(self.grid.mask[pixel] && self.grid.mask[end]) {
-                        continue;
-                    }
-                    let capacity = self.grid.neighbour[pixel][link];
-                    let (here, there) = (intervals[pixel], intervals[end]);
-                    if here == there {
-                        if open[pixel] {
-                            neighbour[pixel][link] = capacity * (self.bond)(middle(here));
-                        }
-                        continue;
-                    }
-                    // The lower interval is white when the higher one is cut.
-                    let sign = if here[0] < there[0] { 1 } else { -1 };
-                    let paid = |p: usize| {
-                        let bond = if open[p] { (self.bond)(middle(intervals[p])) } else { 0 };
-                        i64::from(capacity) * i64::from(bond)
-                    };
-                    pulls[x] -= sign * paid(pixel);
-                    pulls[u + width * (v - y)] += sign * paid(end);
-                }
-                if open[pixel] {
-                    let pull = pulls[x] + (self.pull)(pixel, middle(intervals[pixel]));
-                    let pull = pull.clamp(-BOUND, BOUND) as i32;
-                    terminal[pixel] = [pull.max(0), (-pull).max(0)];
-                }
-            }
+/// Halves the intervals by the labels and shifts each pixel to its new middle; whether any interval
+/// is still open.
+fn halve(
+    grid: &Grid,
+    search: &mut Search<Residual<i32>>,
+    intervals: &mut [[u32; 2]],
+    pull: &impl Fn(usize, u32) -> i64,
+) -> bool {
+    let mut any = false;
+    for pixel in 0..intervals.len() {
+        if !is_open(grid, intervals, pixel) {
+            continue;
         }
+        let v = search.network.node(pixel);
+        let [low, high] = intervals[pixel];
+        let before = middle([low, high]);
+        let now = if search.is_white(v) { [low, before] } else { [before + 1, high] };
+        intervals[pixel] = now;
+        let change = if now[0] < now[1] {
+            any = true;
+            pull(pixel, middle(now)) - pull(pixel, before)
+        } else {
+            // Done: nothing flows to it or from it.
+            -search.network.excess(v)
+        };
+        search.network.add_excess(v, change);
     }
+    any
+}
+
+/// Whether a pixel is a node whose breakpoint is not known yet.
+fn is_open(grid: &Grid, intervals: &[[u32; 2]], pixel: usize) -> bool {
+    grid.mask[pixel] && intervals[pixel][0] < intervals[pixel][1]
 }
 
 /// The member at which an interval is halved.

@@ -9,6 +9,7 @@
 
 mod expansion;
 mod layered;
+mod nested;
 mod ordered;
 
 pub use expansion::{Expansion, expand};
@@ -20,8 +21,8 @@ use std::fmt;
 
 /// The most labels: they are stored in bytes.
 pub const MAX_LABELS: usize = 256;
-/// The largest price of a label, and the largest distance times neighbour capacity: 2^26.
-pub const MAX_PRICE: i32 = 1 << 26;
+/// The largest price of a label, and the largest distance times neighbour capacity: 2^25.
+pub const MAX_PRICE: i32 = 1 << 25;
 
 /// A grid of pixels that take labels `0..labels`.
 #[derive(Clone, Copy, Debug)]
@@ -218,8 +219,8 @@ impl<'a> LabelGrid<'a> {
         Ok(())
     }
 
-    /// The edges between nodes: two pixels and the price of a unit of distance.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, usize, i32)> + '_ {
+    /// The edges between nodes: a pixel, the link, and the pixel it leads to.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
         let (width, height) = (self.width, self.height);
         let steps = [(1, 0), (1, 1), (0, 1), (-1, 1)];
         (0..self.mask.len()).filter(|&p| self.mask[p]).flat_map(move |p| {
@@ -227,7 +228,7 @@ impl<'a> LabelGrid<'a> {
                 let (x, y) = ((p % width).checked_add_signed(dx)?, p / width + dy);
                 let q = y * width + x;
                 let inside = x < width && y < height && self.mask[q];
-                inside.then(|| (p, q, self.neighbour[p][link]))
+                inside.then_some((p, link, q))
             })
         })
     }
@@ -241,7 +242,9 @@ impl<'a> LabelGrid<'a> {
         let nodes = (0..labels.len()).filter(|&p| self.mask[p]);
         let data: i64 = nodes.map(|p| self.price(p, labels[p].into())).sum();
         let between = |a: u8, b: u8| self.distance.between(self.labels, a.into(), b.into());
-        let edges = self.edges().map(|(p, q, w)| i64::from(w) * between(labels[p], labels[q]));
+        let edges = self
+            .edges()
+            .map(|(p, link, q)| i64::from(self.neighbour[p][link]) * between(labels[p], labels[q]));
         data + edges.sum::<i64>()
     }
 }

@@ -43,7 +43,7 @@
 //! ```
 //!
 //! [`solve_graph`] does the same on any graph; [`read_dimacs`] reads problems that others state, and
-//! [`verify`] proves a solution from the problem alone.
+//! [`verify`] proves a solution from the problem alone, as [`verify_grid`] does with [`solve_flow`].
 //! [`Family`] holds the cuts for every shift of the terminals; [`solve_ordered`] and [`expand`] give
 //! pixels one of several labels.
 //!
@@ -66,6 +66,7 @@ mod lattice;
 mod network;
 mod orphans;
 mod planes;
+mod proof;
 mod repair;
 mod residual;
 mod search;
@@ -87,6 +88,7 @@ pub use labels::{
     solve_ordered,
 };
 pub use lattice::{LINK_STEPS, Lattice, Links, Neighbours, TimeLink};
+pub use proof::{solve_flow, verify_grid, verify_lattice};
 pub use solver::Solver;
 pub use sparse::{Edge, Graph, GraphCut, GraphError, MAX_EDGES, MAX_FLOW, MAX_NODES, solve_graph};
 
@@ -111,22 +113,28 @@ pub fn solve(grid: &Grid) -> Result<Cut, GridError> {
     if grid.mask.is_empty() {
         return Ok(Cut { labels: Vec::new(), flow: 0, cut: 0 });
     }
-    let (labels, flow) = labels_and_flow::<i16>(grid)
-        .or_else(|| labels_and_flow::<i32>(grid))
-        .expect("a checked grid fits 32 bits");
-    let cut = energy(grid, &labels);
-    debug_assert_eq!(flow, cut, "a maximal flow equals its cut");
-    Ok(Cut { labels, flow, cut })
+    let cut = |(search, constant)| read::<i16>(grid, &search, constant);
+    let small = solved(grid).map(cut);
+    let large = |(search, constant)| read::<i32>(grid, &search, constant);
+    Ok(small.or_else(|| solved(grid).map(large)).expect("a checked grid fits 32 bits"))
 }
 
-/// The canonical labels and the flow; `None` if a value is too large for `C`.
-fn labels_and_flow<C: Capacity>(grid: &Grid) -> Option<(Vec<bool>, i64)> {
+/// The finished search, and what its flow is less than; `None` if a value is too large for `C`.
+fn solved<C: Capacity>(grid: &Grid) -> Option<(Search<Residual<C>>, i64)> {
     let mut planes = Planes::<C>::read(grid)?;
     chain::route(&mut planes);
-    let (direct, supply) = (planes.direct, planes.supply);
+    let constant = planes.direct + planes.supply;
     let mut search = Search::new(Residual::new(planes));
     search.run()?;
+    Some((search, constant))
+}
+
+/// Reads the cut of a finished search.
+fn read<C: Capacity>(grid: &Grid, search: &Search<Residual<C>>, constant: i64) -> Cut {
     let rows = (0..grid.height).map(|y| search.network.at(0, y));
-    let labels = rows.flat_map(|row| row..row + grid.width).map(|v| search.is_white(v)).collect();
-    Some((labels, direct + supply - search.left))
+    let labels = rows.flat_map(|row| row..row + grid.width).map(|v| search.is_white(v));
+    let labels: Vec<bool> = labels.collect();
+    let (flow, cut) = (constant - search.left, energy(grid, &labels));
+    debug_assert_eq!(flow, cut, "a maximal flow equals its cut");
+    Cut { labels, flow, cut }
 }

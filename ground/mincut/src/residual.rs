@@ -66,6 +66,11 @@ impl<C: Capacity> Residual<C> {
         (y + 1) * self.stride() + 1 + x
     }
 
+    /// What is left on a link of `v`: to the east, south-east, south, south-west.
+    pub(crate) fn link(&self, v: usize, link: usize) -> i32 {
+        self.records[v][usize::from(LINKS[link])].get()
+    }
+
     /// How far apart rows are.
     #[inline(always)]
     fn stride(&self) -> usize {

@@ -90,6 +90,14 @@ impl Solver {
         self.direct + self.supply - self.engine.left()
     }
 
+    /// The flow over a link of a pixel, counted as for [`Solver::set_link`], negative if it goes
+    /// back; 0 if there is no such link. As of the last [`Solver::solve`].
+    pub fn link_flow(&self, pixel: usize, link: usize) -> i64 {
+        let skew = self.skew.get(pixel * self.links + link).map_or(0, |&skew| i64::from(skew));
+        let node = self.mask.get(pixel).copied().unwrap_or(false);
+        if node { self.engine.link_flow(pixel, link, skew) } else { 0 }
+    }
+
     /// Solves again after changes; the flow.
     pub fn solve(&mut self) -> i64 {
         self.engine.run();
@@ -221,6 +229,8 @@ trait Engine: Send {
     fn change_excess(&mut self, pixel: usize, amount: i64);
     /// Gives new capacities to a link that carries `skew` more forth than back.
     fn change_link(&mut self, pixel: usize, link: usize, skew: i64, new: [i64; 2]);
+    /// The flow over a link that carries `skew` more forth than back.
+    fn link_flow(&self, pixel: usize, link: usize, skew: i64) -> i64;
     /// Whether a pixel has a link, if only to a pixel that is no node.
     fn has_link(&self, pixel: usize, link: usize) -> bool;
     /// Forgets the trees, not the flow.
@@ -267,6 +277,15 @@ impl<N: Mutable> Engine for Warm<N> {
             self.search.change_capacities(v, arc, old, new);
             self.touched.extend([v as u32, w as u32]);
         }
+    }
+
+    fn link_flow(&self, pixel: usize, link: usize, skew: i64) -> i64 {
+        let network = &self.search.network;
+        let v = network.node(pixel);
+        let Some(arc) = network.arc(v, link) else { return 0 };
+        let (w, back) = (network.head(v, arc), network.back(v, arc));
+        let (forth, back) = (network.residual(v, arc), network.residual(w, back));
+        (forth + back + skew) / 2 - forth
     }
 
     fn has_link(&self, pixel: usize, link: usize) -> bool {

@@ -8,7 +8,8 @@
 //! smallest distance of the best.
 
 use super::{Distance, LabelError, LabelGrid, Labelling};
-use crate::sparse::{Edge, Graph, solve_graph};
+use crate::lattice::{Lattice, Links, Neighbours};
+use crate::solver::Solver;
 
 /// A labelling that no expansion improves.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,32 +82,34 @@ pub fn expand(grid: &LabelGrid, start: &[u8]) -> Result<Expansion, LabelError> {
 
 /// The labels after the best expansion of `alpha`; of several the one that changes the least.
 fn best_move(grid: &LabelGrid, labels: &[u8], alpha: usize) -> Result<Vec<u8>, LabelError> {
-    let pixels = labels.len();
-    let mut graph = Graph::new(pixels);
-    for p in (0..pixels).filter(|&p| grid.mask[p]) {
-        // White pays for alpha, black for the label it keeps.
-        graph.terminal[p] = [grid.price(p, labels[p].into()), grid.price(p, alpha)];
-    }
     let between = |a: usize, b: usize| grid.distance.between(grid.labels, a, b);
-    let mut pull = vec![0; pixels];
-    for (p, q, weight) in grid.edges() {
+    // What draws a pixel to alpha: what it pays for the label it keeps, less what for alpha.
+    let pull = |p: usize| grid.price(p, labels[p].into()) - grid.price(p, alpha);
+    let mut pull: Vec<i64> = (0..labels.len()).map(pull).collect();
+    let mut links = vec![[[0; 2]; 4]; labels.len()];
+    for (p, link, q) in grid.edges() {
         let (a, b) = (usize::from(labels[p]), usize::from(labels[q]));
+        let weight = i64::from(grid.neighbour[p][link]);
         let [keep, first_keeps, second_keeps] =
-            [between(a, b), between(a, alpha), between(alpha, b)].map(|d| i64::from(weight) * d);
+            [between(a, b), between(a, alpha), between(alpha, b)].map(|d| weight * d);
         // keep + (second_keeps - keep) [p takes] - second_keeps [q takes]
         //      + (first_keeps + second_keeps - keep) [p keeps and q takes]
         pull[p] += keep - second_keeps;
         pull[q] += second_keeps;
-        let back = first_keeps + second_keeps - keep;
-        if back > 0 {
-            graph.edges.push(Edge { ends: [p as u32, q as u32], forth: 0, back });
-        }
+        links[p][link][1] = (first_keeps + second_keeps - keep) as i32;
     }
-    for (terminal, pull) in graph.terminal.iter_mut().zip(pull) {
-        terminal[0] += pull.max(0);
-        terminal[1] += (-pull).max(0);
-    }
-    let white = solve_graph(&graph)?.labels;
+    let terminal: Vec<[i32; 2]> =
+        pull.iter().map(|&p| [p.max(0), (-p).max(0)].map(|p| p as i32)).collect();
+    let solver = Solver::new(&Lattice {
+        width: grid.width,
+        height: grid.height,
+        frames: 1,
+        mask: grid.mask,
+        terminal: &terminal,
+        neighbours: Neighbours::Eight(Links::Directed(&links)),
+        time: &[],
+        fixed: &[],
+    })?;
     let label = |(&label, &takes): (&u8, &bool)| if takes { alpha as u8 } else { label };
-    Ok(labels.iter().zip(&white).map(label).collect())
+    Ok(labels.iter().zip(solver.labels()).map(label).collect())
 }

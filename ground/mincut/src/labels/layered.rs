@@ -24,9 +24,9 @@ pub(super) fn labels(grid: &LabelGrid) -> Result<Vec<u8>, LabelError> {
         stack(grid, pixel, &mut graph);
     }
     let bonds = bonds(grid);
-    for (p, q, weight) in grid.edges().filter(|e| e.2 > 0) {
+    for (p, link, q) in grid.edges() {
         for &(i, j, bond) in &bonds {
-            let capacity = i64::from(weight) * bond;
+            let capacity = i64::from(grid.neighbour[p][link]) * bond;
             let ends = |p: usize, q: usize| [(p * levels + i) as u32, (q * levels + j) as u32];
             if i == j {
                 graph.edges.push(Edge { ends: ends(p, q), forth: capacity, back: capacity });

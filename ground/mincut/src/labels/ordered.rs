@@ -6,8 +6,8 @@
 //! divide and conquer finds them with `log2 k` cuts of the grid. Otherwise one cut of a layered
 //! graph finds them.
 
+use super::nested::Nested;
 use super::{Distance, LabelError, LabelGrid, Labelling, layered};
-use crate::family::Nested;
 
 /// The labelling of least energy; of several the one whose labels are the lowest everywhere.
 ///
