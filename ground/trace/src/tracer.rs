@@ -229,9 +229,14 @@ impl<'a> Tracer<'a> {
 
     /// Whether a ray along `direction` (world space) met the front of the face it hit.
     pub fn meets_front(&self, hit: &Hit, direction: Vec3) -> bool {
+        self.face_normal(hit).dot(direction) <= 0.0
+    }
+
+    /// Unit normal in world space of the face that was hit, on its front.
+    pub fn face_normal(&self, hit: &Hit) -> Vec3 {
         let [a, b, c] = self.corners(hit.object, hit.face);
-        let back = (b - a).cross(c - a).dot(direction) > 0.0;
-        back == self.object(hit).mirrored
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        if self.object(hit).mirrored { -normal } else { normal }
     }
 
     /// The corners of a face of an object in world space.

@@ -72,7 +72,7 @@ impl Camera {
         let aspect = size.0 as f32 / size.1 as f32;
         let (mut pose, setting) = framing.view(aspect, o.orbit);
         let mut note = match setting {
-            view::Setting::Room => "default view: inside the room, along its deepest quarter",
+            view::Setting::Room => "default view: inside the room, where most is to be seen",
             view::Setting::Object => "default view: three-quarter",
         }
         .to_owned();
