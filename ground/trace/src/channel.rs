@@ -12,6 +12,7 @@
 
 use crate::gbuffer::GBuffer;
 use crate::light::{Arrival, Lamp};
+use crate::smooth::{Facet, lifted};
 use crate::surface::Surfaces;
 use crate::tracer::{Ray, Sides, Tracer};
 use chiaro_basis::math::Vec3;
@@ -98,7 +99,7 @@ fn in_shadow(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize), arrival: 
     if smooth.dot(arrival.towards) <= 0.0 {
         return true;
     }
-    let lift = lifted(tracer, buffer, pixel);
+    let lift = lifted(&Facet::of(tracer, buffer, pixel), buffer, pixel);
     let start = lift + smooth * (1e-4 * buffer.radius);
     if !arrival.from_surface {
         let reach = arrival.distance * (1.0 - 1e-4);
@@ -108,27 +109,6 @@ fn in_shadow(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize), arrival: 
     let end = Vec3::from(buffer.position[pixel]) + arrival.towards * arrival.distance;
     let (direction, length) = (end - start).normalize_and_length();
     tracer.occluded(&Ray { origin: start, direction, t_max: length * (1.0 - 1e-3) })
-}
-
-/// The pixel's point moved onto the smooth surface: the barycentric mean of its projections onto
-/// the planes at the three vertices, where those lie outside.
-fn lifted(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize)) -> Vec3 {
-    let hit = buffer.hit[pixel];
-    let point = Vec3::from(buffer.position[pixel]);
-    let side = Vec3::from(buffer.geometric_normal[pixel]);
-    let object = tracer.object(&hit);
-    let shape = &tracer.frame.shapes[object.shape];
-    let corners = tracer.mesh(&hit).triangles[hit.face as usize].map(|v| v as usize);
-    let for_normals = object.normal_from_shape();
-    let weights = [1.0 - hit.b[0] - hit.b[1], hit.b[0], hit.b[1]];
-    let mut offset = Vec3::ZERO;
-    for (v, w) in corners.into_iter().zip(weights) {
-        let n = (for_normals * shape.normals[v]).normalize_or_zero();
-        let n = if n.dot(side) < 0.0 { -n } else { n };
-        let corner = object.world_from_shape.transform_point3(shape.positions[v]);
-        offset -= n * (w * (point - corner).dot(n).min(0.0));
-    }
-    point + offset
 }
 
 /// The median over pixels that any lamp lights; 1 when there is none.

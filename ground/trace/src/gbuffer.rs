@@ -8,7 +8,7 @@ use crate::tracer::{Hit, Ray, Sides, Tracer};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
-use chiaro_scene::{Frame, Pose};
+use chiaro_scene::Pose;
 use rayon::prelude::*;
 
 /// What a camera sees. All planes have the picture's size.
@@ -56,42 +56,75 @@ impl GBuffer {
         (width, height): (usize, usize),
         run: &Run,
     ) -> Result<Self> {
-        let rows: Vec<Vec<(Hit, Option<Surface>)>> = (0..height)
-            .into_par_iter()
-            .map(|y| {
-                run.check()?;
-                Ok((0..width)
-                    .map(|x| pixel(tracer, surfaces, pose, (x, y), (width, height)))
-                    .collect())
-            })
-            .collect::<Result<_>>()?;
-        let seen = Plane::from_pixels(width, height, rows.into_iter().flatten().collect());
-        Ok(Self::from_surfaces(pose, tracer.frame, &seen))
+        let mut buffer = Self::empty(pose, tracer.frame.bounds().radius(), (width, height));
+        let rows: Vec<Row> = buffer.rows().collect();
+        rows.into_par_iter().enumerate().try_for_each(|(y, mut row)| {
+            run.check()?;
+            for x in 0..width {
+                if let Some((hit, surface)) = pixel(tracer, surfaces, pose, (x, y), (width, height))
+                {
+                    row.set(x, hit, &surface, pose);
+                }
+            }
+            Ok(())
+        })?;
+        Ok(buffer)
     }
 
-    fn from_surfaces(pose: &Pose, frame: &Frame, seen: &Plane<(Hit, Option<Surface>)>) -> Self {
-        fn take<T: Send + Default>(
-            seen: &Plane<(Hit, Option<Surface>)>,
-            f: impl Fn(&Surface) -> T + Sync + Send,
-        ) -> Plane<T> {
-            seen.map(|(_, s)| s.as_ref().map(&f).unwrap_or_default())
-        }
+    /// A buffer in which nothing is covered.
+    pub fn empty(pose: &Pose, radius: f32, (w, h): (usize, usize)) -> Self {
         Self {
             pose: *pose,
-            radius: frame.bounds().radius(),
-            covered: seen.map(|(_, s)| s.is_some()),
-            hit: seen.map(|(h, _)| *h),
-            depth: take(seen, |s| pose.view(s.position).z),
-            position: take(seen, |s| s.position.to_array()),
-            normal: take(seen, |s| s.normal.to_array()),
-            smooth_normal: take(seen, |s| s.smooth_normal.to_array()),
-            geometric_normal: take(seen, |s| s.geometric_normal.to_array()),
-            object: seen.map(|(h, s)| if s.is_some() { h.object + 1 } else { 0 }),
-            material: take(seen, |s| s.material.index() as u32 + 1),
-            base_colour: take(seen, |s| s.base_colour),
-            roughness: take(seen, |s| s.roughness),
-            emissive: take(seen, |s| s.emissive),
+            radius,
+            covered: Plane::filled(w, h, false),
+            hit: Plane::filled(w, h, NOTHING),
+            depth: Plane::filled(w, h, 0.0),
+            position: Plane::filled(w, h, [0.0; 3]),
+            normal: Plane::filled(w, h, [0.0; 3]),
+            smooth_normal: Plane::filled(w, h, [0.0; 3]),
+            geometric_normal: Plane::filled(w, h, [0.0; 3]),
+            object: Plane::filled(w, h, 0),
+            material: Plane::filled(w, h, 0),
+            base_colour: Plane::filled(w, h, [0.0; 3]),
+            roughness: Plane::filled(w, h, 0.0),
+            emissive: Plane::filled(w, h, [0.0; 3]),
         }
+    }
+
+    /// The rows of all planes, each to be filled by itself.
+    fn rows(&mut self) -> impl Iterator<Item = Row<'_>> {
+        let width = self.covered.width().max(1);
+        fn cut<T>(plane: &mut Plane<T>, width: usize) -> std::slice::ChunksMut<'_, T> {
+            plane.pixels_mut().chunks_mut(width)
+        }
+        let covered = cut(&mut self.covered, width);
+        let mut hit = cut(&mut self.hit, width);
+        let mut depth = cut(&mut self.depth, width);
+        let mut position = cut(&mut self.position, width);
+        let mut normal = cut(&mut self.normal, width);
+        let mut smooth_normal = cut(&mut self.smooth_normal, width);
+        let mut geometric_normal = cut(&mut self.geometric_normal, width);
+        let mut object = cut(&mut self.object, width);
+        let mut material = cut(&mut self.material, width);
+        let mut base_colour = cut(&mut self.base_colour, width);
+        let mut roughness = cut(&mut self.roughness, width);
+        let mut emissive = cut(&mut self.emissive, width);
+        covered.map_while(move |covered| {
+            Some(Row {
+                covered,
+                hit: hit.next()?,
+                depth: depth.next()?,
+                position: position.next()?,
+                normal: normal.next()?,
+                smooth_normal: smooth_normal.next()?,
+                geometric_normal: geometric_normal.next()?,
+                object: object.next()?,
+                material: material.next()?,
+                base_colour: base_colour.next()?,
+                roughness: roughness.next()?,
+                emissive: emissive.next()?,
+            })
+        })
     }
 
     /// Width and height in pixels.
@@ -119,6 +152,42 @@ impl GBuffer {
     }
 }
 
+/// One row of every plane.
+struct Row<'a> {
+    covered: &'a mut [bool],
+    hit: &'a mut [Hit],
+    depth: &'a mut [f32],
+    position: &'a mut [[f32; 3]],
+    normal: &'a mut [[f32; 3]],
+    smooth_normal: &'a mut [[f32; 3]],
+    geometric_normal: &'a mut [[f32; 3]],
+    object: &'a mut [u32],
+    material: &'a mut [u32],
+    base_colour: &'a mut [[f32; 3]],
+    roughness: &'a mut [f32],
+    emissive: &'a mut [[f32; 3]],
+}
+
+impl Row<'_> {
+    fn set(&mut self, x: usize, hit: Hit, s: &Surface, pose: &Pose) {
+        self.covered[x] = true;
+        self.hit[x] = hit;
+        self.depth[x] = pose.view(s.position).z;
+        self.position[x] = s.position.to_array();
+        self.normal[x] = s.normal.to_array();
+        self.smooth_normal[x] = s.smooth_normal.to_array();
+        self.geometric_normal[x] = s.geometric_normal.to_array();
+        self.object[x] = hit.object + 1;
+        self.material[x] = s.material.index() as u32 + 1;
+        self.base_colour[x] = s.base_colour;
+        self.roughness[x] = s.roughness;
+        // Memory that stays zero costs nothing.
+        if s.emissive != [0.0; 3] {
+            self.emissive[x] = s.emissive;
+        }
+    }
+}
+
 /// What the ray through the centre of a pixel meets.
 fn pixel(
     tracer: &Tracer,
@@ -126,13 +195,13 @@ fn pixel(
     pose: &Pose,
     (x, y): (usize, usize),
     (width, height): (usize, usize),
-) -> (Hit, Option<Surface>) {
+) -> Option<(Hit, Surface)> {
     let (w, h) = (width as f32, height as f32);
     let (origin, direction) = pose.ray(x as f32 + 0.5, y as f32 + 0.5, w, h);
     let start = pose.near / direction.dot(pose.forward);
     let ray = Ray { origin: origin + direction * start, direction, t_max: f32::INFINITY };
-    let Some(hit) = tracer.hit(&ray, Sides::AsMaterials) else { return (NOTHING, None) };
+    let hit = tracer.hit(&ray, Sides::AsMaterials)?;
     let depth = (start + hit.t) * direction.dot(pose.forward);
     let surface = surfaces.at(tracer, &hit, direction, pose.pixel_size(depth, h));
-    (hit, Some(surface))
+    Some((hit, surface))
 }

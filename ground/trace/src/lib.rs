@@ -7,10 +7,12 @@
 pub mod channel;
 mod gbuffer;
 mod glow;
+mod hierarchy;
 mod light;
 mod mip;
 mod motion;
 mod occlusion;
+mod smooth;
 mod surface;
 mod tracer;
 mod triangle;
@@ -18,6 +20,7 @@ pub mod view;
 
 pub use gbuffer::GBuffer;
 pub use glow::{Glow, GlowPoint, GlowTriangle};
+pub use hierarchy::Hierarchy;
 pub use light::{Arrival, KEY_FROM, Lamp, Patch};
 pub use motion::motion;
 pub use occlusion::ambient_occlusion;

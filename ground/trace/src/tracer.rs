@@ -1,27 +1,17 @@
 //! [`Tracer`]: rays into a frame.
 //!
-//! 1. Shapes drawn once are merged, in world space, into one group of triangles; each shape drawn
-//!    several times is a group of its own.
-//! 2. Over every group stands a compressed eight-wide bounding-volume hierarchy (Ylitie, Karras and
-//!    Laine 2017), over the placed groups another one.
-//! 3. A ray walks the upper hierarchy, is taken into the space of each group that it meets, and
-//!    walks that group's; triangles are crossed watertight.
+//! A ray walks the upper hierarchy, is taken into the space of each group that it meets, and walks
+//! that group's ([`Hierarchy`]); triangles are crossed watertight.
 //!
-//! Boxes are padded by a few units in the last place of the scene's extent, since the box test
-//! rounds. Of two crossings at the same distance the lower (object, face) wins, so that results do
-//! not depend on the hierarchy.
+//! Of two crossings at the same distance the lower (object, face) wins, and boxes are tried a
+//! little past the nearest crossing, so that results do not depend on the hierarchy.
 
-use crate::triangle::{Crossing, Sheared};
+use crate::hierarchy::{Hierarchy, Placed};
+use crate::triangle::Sheared;
 use chiaro_basis::math::{Affine3A, Vec3, Vec3A};
 use chiaro_scene::{Alpha, Frame, Mesh, Object, Scene};
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::ray::{Ray as BoxRay, RayHit};
-use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A ray in world space. The direction is a unit vector; `t_max` is in scene units.
 #[derive(Clone, Copy, Debug)]
@@ -56,40 +46,13 @@ pub enum Sides {
     Both,
 }
 
-/// One triangle of a group.
-#[derive(Clone, Copy, PartialEq)]
-struct Face {
-    object: u32,
-    face: u32,
-}
-
-/// Triangles in one space with their hierarchy, both in the hierarchy's order.
-struct Group {
-    tree: CwBvh,
-    triangles: Vec<[Vec3; 3]>,
-    faces: Vec<Face>,
-    /// Kept so that the next frame refits instead of building anew.
-    boxes: Bvh2,
-}
-
-/// A group and where it stands.
-struct Placed {
-    group: usize,
-    /// `None`: the group is in world space.
-    group_from_world: Option<Affine3A>,
-    /// For groups drawn several times: the object that is drawn here.
-    object: Option<u32>,
-}
-
 /// A frame, ready for rays.
 pub struct Tracer<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// Its state at one time.
     pub frame: &'a Frame,
-    groups: Vec<Group>,
-    placed: Vec<Placed>,
-    top: Option<CwBvh>,
+    hierarchy: Arc<Hierarchy>,
     surfaces: Vec<SurfaceKind>,
 }
 
@@ -103,37 +66,24 @@ struct SurfaceKind {
 impl<'a> Tracer<'a> {
     /// Builds the hierarchies of a frame.
     pub fn new(scene: &'a Scene, frame: &'a Frame) -> Self {
-        let lists = group_lists(scene, frame);
-        let groups = lists.into_iter().map(|list| Group::build(list, scene, frame)).collect();
-        Self::assemble(scene, frame, groups)
+        Self::with(scene, frame, Arc::new(Hierarchy::build(scene, frame)))
     }
 
-    /// The tracer of another frame of the same scene: the hierarchies keep their shape and are
-    /// refitted, unless connectivity has changed.
-    pub fn refit<'b>(self, scene: &'b Scene, frame: &'b Frame) -> Tracer<'b> {
-        let lists = group_lists(scene, frame);
-        let old = self.groups.into_iter().map(Some).chain(std::iter::repeat_with(|| None));
-        let groups = lists
-            .into_iter()
-            .zip(old)
-            .map(|(list, old)| match old {
-                Some(group) if group.same_faces(&list) => group.refit(scene, frame),
-                _ => Group::build(list, scene, frame),
-            })
-            .collect();
-        Tracer::assemble(scene, frame, groups)
-    }
-
-    fn assemble(scene: &'a Scene, frame: &'a Frame, groups: Vec<Group>) -> Self {
-        let placed = place(frame, &groups);
-        let boxes: Vec<Aabb> = placed.iter().map(|p| p.bounds(&groups, frame)).collect();
-        let top = (placed.len() > 1).then(|| wide(&build(&boxes, false)));
-        let placed = match &top {
-            Some(tree) => reorder(placed, &tree.primitive_indices),
-            None => placed,
-        };
+    /// Rays into a frame over which the hierarchy stands already.
+    pub fn with(scene: &'a Scene, frame: &'a Frame, hierarchy: Arc<Hierarchy>) -> Self {
         let surfaces = scene.materials.iter().map(SurfaceKind::of).collect();
-        Self { scene, frame, groups, placed, top, surfaces }
+        Self { scene, frame, hierarchy, surfaces }
+    }
+
+    /// The tracer of another frame of the same scene: what has not moved is shared, the rest keeps
+    /// the shape of its hierarchy and is refitted, unless connectivity has changed.
+    pub fn refit<'b>(&self, scene: &'b Scene, frame: &'b Frame) -> Tracer<'b> {
+        Tracer::with(scene, frame, Arc::new(self.hierarchy.refit(scene, frame)))
+    }
+
+    /// The hierarchy, to be used again for a frame of the same shape.
+    pub fn hierarchy(&self) -> &Arc<Hierarchy> {
+        &self.hierarchy
     }
 
     /// The nearest surface along a ray.
@@ -147,10 +97,10 @@ impl<'a> Tracer<'a> {
 
     /// Whether anything stands in the ray's way, from either side.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        match &self.top {
-            None => self.placed.first().is_some_and(|p| self.blocked_in(p, ray)),
+        match &self.hierarchy.top {
+            None => self.hierarchy.placed.first().is_some_and(|p| self.blocked_in(p, ray)),
             Some(top) => !top.ray_traverse_miss(box_ray(ray), |_, i| {
-                if self.blocked_in(&self.placed[i], ray) { 0.0 } else { f32::INFINITY }
+                if self.blocked_in(&self.hierarchy.placed[i], ray) { 0.0 } else { f32::INFINITY }
             }),
         }
     }
@@ -158,15 +108,17 @@ impl<'a> Tracer<'a> {
     /// Calls `each` for every placed group that the ray may meet; it answers the new reach.
     fn visit(&self, ray: &Ray, each: &mut dyn FnMut(&Self, &Placed, &Ray, f32) -> f32) {
         let mut call = |p: &Placed, reach: f32| each(self, p, &p.local(ray), reach);
-        match &self.top {
+        match &self.hierarchy.top {
             None => {
-                if let Some(p) = self.placed.first() {
-                    call(p, ray.t_max);
+                if let Some(p) = self.hierarchy.placed.first() {
+                    call(p, past(ray.t_max));
                 }
             }
             Some(top) => {
                 let mut nothing = RayHit::none();
-                top.ray_traverse(box_ray(ray), &mut nothing, |r, i| call(&self.placed[i], r.tmax));
+                top.ray_traverse(box_ray(ray), &mut nothing, |r, i| {
+                    call(&self.hierarchy.placed[i], r.tmax)
+                });
             }
         }
     }
@@ -180,13 +132,14 @@ impl<'a> Tracer<'a> {
         sides: Sides,
         best: &mut Option<Hit>,
     ) -> f32 {
-        let group = &self.groups[placed.group];
+        let group = &self.hierarchy.groups[placed.group];
         let sheared = Sheared::new(local.origin, local.direction);
         let mut nothing = RayHit::none();
         let mut box_ray = box_ray(local);
         box_ray.tmax = reach;
         group.tree.ray_traverse(box_ray, &mut nothing, |r, i| {
-            let Some(c) = sheared.cross(&group.triangles[i], r.tmax) else { return f32::INFINITY };
+            let reach = r.tmax.min(local.t_max);
+            let Some(c) = sheared.cross(&group.triangles[i], reach) else { return f32::INFINITY };
             let hit = placed.hit(group.faces[i], c);
             if best.is_some_and(|b| !nearer(&hit, &b))
                 || !self.is_there(&hit, local, &group.triangles[i], sides)
@@ -194,17 +147,17 @@ impl<'a> Tracer<'a> {
                 return f32::INFINITY;
             }
             *best = Some(hit);
-            c.t
+            past(c.t)
         });
-        best.map_or(reach, |b| b.t)
+        best.map_or(reach, |b| past(b.t))
     }
 
     fn blocked_in(&self, placed: &Placed, ray: &Ray) -> bool {
-        let group = &self.groups[placed.group];
+        let group = &self.hierarchy.groups[placed.group];
         let local = placed.local(ray);
         let sheared = Sheared::new(local.origin, local.direction);
-        !group.tree.ray_traverse_miss(box_ray(&local), |r, i| {
-            match sheared.cross(&group.triangles[i], r.tmax) {
+        !group.tree.ray_traverse_miss(box_ray(&local), |_, i| {
+            match sheared.cross(&group.triangles[i], local.t_max) {
                 Some(c) if self.is_opaque(&placed.hit(group.faces[i], c)) => 0.0,
                 _ => f32::INFINITY,
             }
@@ -307,176 +260,13 @@ fn nearer(a: &Hit, b: &Hit) -> bool {
     (a.t, a.object, a.face) < (b.t, b.object, b.face)
 }
 
+/// A little past a distance: what is as far must not be missed because its box rounds to farther.
+fn past(t: f32) -> f32 {
+    t * (1.0 + 16.0 * f32::EPSILON)
+}
+
 fn box_ray(ray: &Ray) -> BoxRay {
     // The box test takes the sign of an inverse for that of the direction: no zero may be negative.
     let direction = Vec3A::from(ray.direction) + Vec3A::ZERO;
-    BoxRay::new(Vec3A::from(ray.origin), direction, 0.0, ray.t_max)
-}
-
-impl Placed {
-    /// The ray in the group's space. Its direction keeps the world's length, so that distances
-    /// are the same in both spaces.
-    fn local(&self, ray: &Ray) -> Ray {
-        match &self.group_from_world {
-            None => *ray,
-            Some(m) => Ray {
-                origin: m.transform_point3(ray.origin),
-                direction: m.transform_vector3(ray.direction),
-                t_max: ray.t_max,
-            },
-        }
-    }
-
-    fn hit(&self, face: Face, c: Crossing) -> Hit {
-        Hit { t: c.t, object: self.object.unwrap_or(face.object), face: face.face, b: c.b }
-    }
-
-    fn bounds(&self, groups: &[Group], frame: &Frame) -> Aabb {
-        let local = *groups[self.group].boxes.nodes[0].aabb();
-        let Some(object) = self.object else { return local };
-        let m = frame.objects[object as usize].world_from_shape;
-        let corner = |i: usize| {
-            let pick = |k: usize| if i >> k & 1 == 0 { local.min[k] } else { local.max[k] };
-            m.transform_point3a(Vec3A::new(pick(0), pick(1), pick(2)))
-        };
-        let corners: Vec<Vec3A> = (0..8).map(corner).collect();
-        padded(Aabb::from_points(&corners), 0.0)
-    }
-}
-
-/// The faces of each group: the first holds every shape drawn once.
-fn group_lists(scene: &Scene, frame: &Frame) -> Vec<Vec<Face>> {
-    let mut uses = vec![0usize; frame.shapes.len()];
-    for o in &frame.objects {
-        uses[o.shape] += 1;
-    }
-    let mut lists = vec![Vec::new()];
-    let mut done = vec![false; frame.shapes.len()];
-    for (index, o) in frame.objects.iter().enumerate() {
-        if std::mem::replace(&mut done[o.shape], true) {
-            continue;
-        }
-        let count = frame.shapes[o.shape].mesh_in(scene).triangles.len();
-        let faces = (0..count).map(|f| Face { object: index as u32, face: f as u32 });
-        if uses[o.shape] == 1 && o.world_from_shape == Affine3A::IDENTITY {
-            lists[0].extend(faces);
-        } else {
-            lists.push(faces.collect());
-        }
-    }
-    lists.retain(|l| !l.is_empty());
-    lists
-}
-
-/// Where each group stands: the world's once, the others once an object.
-fn place(frame: &Frame, groups: &[Group]) -> Vec<Placed> {
-    let mut placed = Vec::new();
-    for (group, g) in groups.iter().enumerate() {
-        let first = frame.objects[g.faces[0].object as usize].shape;
-        let users: Vec<usize> =
-            (0..frame.objects.len()).filter(|&i| frame.objects[i].shape == first).collect();
-        if users.len() == 1 && frame.objects[users[0]].world_from_shape == Affine3A::IDENTITY {
-            placed.push(Placed { group, group_from_world: None, object: None });
-            continue;
-        }
-        placed.extend(users.into_iter().filter_map(|i| {
-            let m = frame.objects[i].world_from_shape;
-            let inverse = m.inverse();
-            // A flat or broken matrix draws nothing.
-            inverse.is_finite().then_some(Placed {
-                group,
-                group_from_world: Some(inverse),
-                object: Some(i as u32),
-            })
-        }));
-    }
-    placed
-}
-
-fn reorder(placed: Vec<Placed>, order: &[u32]) -> Vec<Placed> {
-    let mut slots: Vec<Option<Placed>> = placed.into_iter().map(Some).collect();
-    order.iter().map(|&i| slots[i as usize].take().expect("each is placed once")).collect()
-}
-
-impl Group {
-    fn build(list: Vec<Face>, scene: &Scene, frame: &Frame) -> Self {
-        let triangles: Vec<[Vec3; 3]> = list.par_iter().map(|f| corners(f, scene, frame)).collect();
-        let boxes = build(&triangle_boxes(&triangles), true);
-        Self::from_tree(boxes, &list, &triangles)
-    }
-
-    /// Whether the group was built over just these faces.
-    fn same_faces(&self, list: &[Face]) -> bool {
-        self.faces.len() == list.len() && self.unsorted() == list
-    }
-
-    /// The faces in the order in which they were listed.
-    fn unsorted(&self) -> Vec<Face> {
-        let mut list = self.faces.clone();
-        for (&original, face) in self.tree.primitive_indices.iter().zip(&self.faces) {
-            list[original as usize] = *face;
-        }
-        list
-    }
-
-    fn refit(mut self, scene: &Scene, frame: &Frame) -> Self {
-        let list = self.unsorted();
-        let triangles: Vec<[Vec3; 3]> = list.par_iter().map(|f| corners(f, scene, frame)).collect();
-        let boxes = triangle_boxes(&triangles);
-        self.boxes.init_primitives_to_nodes_if_uninit();
-        for (face, aabb) in boxes.iter().enumerate() {
-            let node = self.boxes.primitives_to_nodes[face] as usize;
-            self.boxes.nodes[node].set_aabb(*aabb);
-        }
-        self.boxes.refit_all();
-        Self::from_tree(self.boxes, &list, &triangles)
-    }
-
-    fn from_tree(boxes: Bvh2, list: &[Face], triangles: &[[Vec3; 3]]) -> Self {
-        let tree = wide(&boxes);
-        let order = &tree.primitive_indices;
-        let triangles = order.iter().map(|&i| triangles[i as usize]).collect();
-        let faces = order.iter().map(|&i| list[i as usize]).collect();
-        Self { tree, triangles, faces, boxes }
-    }
-}
-
-fn corners(f: &Face, scene: &Scene, frame: &Frame) -> [Vec3; 3] {
-    let shape = &frame.shapes[frame.objects[f.object as usize].shape];
-    shape.mesh_in(scene).triangles[f.face as usize].map(|v| shape.positions[v as usize])
-}
-
-fn triangle_boxes(triangles: &[[Vec3; 3]]) -> Vec<Aabb> {
-    let extent = triangles
-        .par_iter()
-        .map(|t| t.iter().fold(0.0f32, |m, p| m.max(p.abs().max_element())))
-        .reduce(|| 0.0, f32::max);
-    let pad = 4.0 * f32::EPSILON * extent;
-    triangles.par_iter().map(|t| padded(Aabb::from_points(&t.map(Vec3A::from)), pad)).collect()
-}
-
-fn padded(b: Aabb, pad: f32) -> Aabb {
-    let size = b.min.abs().max(b.max.abs()) * (4.0 * f32::EPSILON) + Vec3A::splat(pad);
-    Aabb { min: b.min - size, max: b.max + size }
-}
-
-/// A binary hierarchy by locally-ordered clustering (Meister and Bittner 2018); `fine` improves it
-/// by reinsertion.
-fn build(boxes: &[Aabb], fine: bool) -> Bvh2 {
-    let indices = (0..boxes.len() as u32).collect();
-    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::VeryLow,
-        boxes,
-        indices,
-        SortPrecision::U64,
-        0,
-    );
-    if fine && boxes.len() > 1 {
-        ReinsertionOptimizer::default().run(&mut tree, 0.02, None);
-    }
-    tree
-}
-
-fn wide(tree: &Bvh2) -> CwBvh {
-    bvh2_to_cwbvh(tree, 3, true, false)
+    BoxRay::new(Vec3A::from(ray.origin), direction, 0.0, past(ray.t_max))
 }

@@ -7,14 +7,16 @@
 //! zero in single precision it is evaluated again in double. Guaranteed: no pinholes along shared
 //! edges. Not guaranteed: that exactly one of the two is reported.
 
-use chiaro_basis::math::Vec3;
+use chiaro_basis::math::{Vec3, Vec3A};
 
 /// A ray prepared for many triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sheared {
-    origin: Vec3,
-    axes: [usize; 3],
-    shear: Vec3,
+    origin: Vec3A,
+    /// The columns of a matrix that takes the axis in which the ray runs fastest to z, and the ray's
+    /// direction to (0, 0, 1). All entries but the shears are 0 or 1, so that it rounds as if axes
+    /// were swapped by hand.
+    columns: [Vec3A; 3],
 }
 
 /// Distance along the ray (in units of its direction) and the barycentric coordinates of the
@@ -34,15 +36,19 @@ impl Sheared {
             std::mem::swap(&mut kx, &mut ky);
         }
         let z = direction[kz];
-        let shear = Vec3::new(direction[kx] / z, direction[ky] / z, 1.0 / z);
-        Self { origin, axes: [kx, ky, kz], shear }
+        let mut columns = [Vec3A::ZERO; 3];
+        columns[kx].x = 1.0;
+        columns[ky].y = 1.0;
+        columns[kz] = Vec3A::new(-direction[kx] / z, -direction[ky] / z, 1.0 / z);
+        Self { origin: origin.into(), columns }
     }
 
     /// Where the ray meets the triangle in front of its origin and not past `t_max`, from
     /// either side.
+    #[inline]
     pub(crate) fn cross(&self, triangle: &[Vec3; 3], t_max: f32) -> Option<Crossing> {
         let [a, b, c] = triangle.map(|p| self.project(p));
-        let mut e = [c.0 * b.1 - c.1 * b.0, a.0 * c.1 - a.1 * c.0, b.0 * a.1 - b.1 * a.0];
+        let mut e = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
         if e.contains(&0.0) {
             e = [edge(c, b), edge(a, c), edge(b, a)];
         }
@@ -54,19 +60,21 @@ impl Sheared {
         if det == 0.0 {
             return None;
         }
-        let t = (u * a.2 + v * b.2 + w * c.2) / det;
+        let t = (u * a.z + v * b.z + w * c.z) / det;
         (t > 0.0 && t <= t_max).then(|| Crossing { t, b: [v / det, w / det] })
     }
 
-    fn project(&self, p: Vec3) -> (f32, f32, f32) {
-        let d = p - self.origin;
-        let [kx, ky, kz] = self.axes;
-        (d[kx] - self.shear.x * d[kz], d[ky] - self.shear.y * d[kz], self.shear.z * d[kz])
+    #[inline]
+    fn project(&self, p: Vec3) -> Vec3A {
+        let d = Vec3A::from(p) - self.origin;
+        let [x, y, z] = self.columns;
+        x * d.x + y * d.y + z * d.z
     }
 }
 
-fn edge(a: (f32, f32, f32), b: (f32, f32, f32)) -> f32 {
-    let exact = f64::from(a.0) * f64::from(b.1) - f64::from(a.1) * f64::from(b.0);
+#[cold]
+fn edge(a: Vec3A, b: Vec3A) -> f32 {
+    let exact = f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x);
     // A tiny difference must keep its sign when it is rounded.
     let rounded = exact as f32;
     if rounded == 0.0 && exact != 0.0 { f32::MIN_POSITIVE.copysign(exact as f32) } else { rounded }

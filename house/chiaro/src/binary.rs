@@ -21,7 +21,7 @@ use chiaro_image::colour::to_byte;
 use chiaro_image::labels::components;
 use chiaro_image::{Plane, codec};
 use chiaro_scene::Frame;
-use chiaro_trace::{GBuffer, Surfaces, Tracer};
+use chiaro_trace::{GBuffer, Surfaces};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -142,10 +142,9 @@ impl<'a> Shot<'a> {
         run: &Run,
     ) -> Result<View> {
         let pixels = (size.0 * size.1) as u64;
-        let scene = &self.project.scene;
         let pose = self.camera.pose(frame, number);
         let (tracer, buffer) = run.stage("trace", pixels, || {
-            let tracer = Tracer::new(scene, frame);
+            let tracer = self.project.tracer(frame);
             let buffer = GBuffer::trace(&tracer, &self.surfaces, &pose, size, run);
             (tracer, buffer)
         });

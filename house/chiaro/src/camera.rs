@@ -5,7 +5,7 @@ use crate::project::Project;
 use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Error, Result, Run, nearest};
 use chiaro_scene::{Bounds, Frame, Pose, Projection};
-use chiaro_trace::{Tracer, view};
+use chiaro_trace::view;
 use serde_json::{Map, Value, json};
 
 /// The longer side of a picture whose size nobody chose, in pixels.
@@ -66,7 +66,7 @@ impl Camera {
     fn default_view(project: &Project, frames: &[Frame], by_hand: bool, run: &Run) -> Result<Self> {
         let o = &project.options;
         let first = frames.first().expect("a shot has a frame");
-        let tracer = Tracer::new(&project.scene, first);
+        let tracer = project.tracer(first);
         let framing = view::Framing::of(&tracer, frames);
         let size = o.size.unwrap_or_else(|| size_for(framing.aspect(o.orbit)));
         let aspect = size.0 as f32 / size.1 as f32;

@@ -83,7 +83,7 @@ fn reach(
     (frame, number): (&Frame, u32),
     run: &Run,
 ) -> Result<f32> {
-    let tracer = Tracer::new(&project.scene, frame);
+    let tracer = project.tracer(frame);
     let lamps = Glow::of(&tracer, surfaces).lamps(PATCHES);
     if lamps.is_empty() {
         return Ok(0.0);

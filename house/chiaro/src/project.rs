@@ -5,7 +5,9 @@ use crate::number;
 use chiaro_basis::{Error, Result, Run, nearest};
 use chiaro_scene::load::{self, Budget, Door, Up};
 use chiaro_scene::{Choice, Frame, Playback, Poser, Scene, demo};
+use chiaro_trace::{Hierarchy, Tracer};
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Options that every command on a scene shares, as the user typed them; empty ones take their
 /// defaults.
@@ -80,6 +82,8 @@ pub struct Project {
     pub playback: Playback,
     /// The options.
     pub options: Options,
+    /// What was built for the frame traced last.
+    hierarchy: Mutex<Option<Arc<Hierarchy>>>,
 }
 
 impl Project {
@@ -100,7 +104,8 @@ impl Project {
         for note in notes {
             run.warn(note);
         }
-        Ok(Self { name: name.into(), hash, scene, playback, options })
+        let hierarchy = Mutex::default();
+        Ok(Self { name: name.into(), hash, scene, playback, options, hierarchy })
     }
 
     /// The name without folders, for recipes.
@@ -144,6 +149,18 @@ impl Project {
     /// The scene at a frame.
     pub fn pose(&self, poser: &Poser<'_>, frame: u32, run: &Run) -> Frame {
         run.stage("frame", 1, || poser.frame(self.time(frame), &self.playback))
+    }
+
+    /// Rays into a frame. What has not changed since the last call is used again, the rest is
+    /// refitted; what rays meet does not depend on it.
+    pub fn tracer<'a>(&'a self, frame: &'a Frame) -> Tracer<'a> {
+        let last = self.hierarchy.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let hierarchy = Arc::new(match last {
+            Some(last) => last.refit(&self.scene, frame),
+            None => Hierarchy::build(&self.scene, frame),
+        });
+        *self.hierarchy.lock().unwrap_or_else(PoisonError::into_inner) = Some(hierarchy.clone());
+        Tracer::with(&self.scene, frame, hierarchy)
     }
 }
 

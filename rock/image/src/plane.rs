@@ -25,10 +25,11 @@ impl<T> Plane<T> {
     where
         T: Send,
     {
-        let pixel = &pixel;
-        let pixels = (0..height)
+        // By index, so that every pixel is written once, into its place.
+        let pixels = (0..width * height)
             .into_par_iter()
-            .flat_map_iter(|y| (0..width).map(move |x| pixel(x, y)))
+            .with_min_len(width)
+            .map(|i| pixel(i % width, i / width))
             .collect();
         Self { width, height, pixels }
     }
