@@ -2,6 +2,7 @@
 
 use chiaro::number::{parse_frames, parse_numbers, parse_size};
 use chiaro::project::{Options, parse_point};
+use chiaro::vector::{Print, Sheet, length};
 use chiaro_basis::{Error, Result};
 use chiaro_scene::Choice;
 use chiaro_scene::load::Up;
@@ -17,6 +18,7 @@ pub(crate) struct Cli {
 }
 
 #[derive(Subcommand)]
+#[allow(clippy::large_enum_variant, reason = "there is one, parsed once")]
 pub(crate) enum Command {
     /// Make pictures from embedded scenes through every pipeline, and a page that shows them.
     Demo {
@@ -47,7 +49,7 @@ pub(crate) enum Command {
     Binary {
         #[command(flatten)]
         scene: SceneArgs,
-        /// A .png, .pbm or .apng file, a pattern such as frames/####.png, or a folder.
+        /// A .png, .svg, .pbm or .apng file, a pattern such as frames/####.png, or a folder.
         #[arg(short, long)]
         output: PathBuf,
         #[command(flatten)]
@@ -56,6 +58,8 @@ pub(crate) enum Command {
         /// numbered folder a frame.
         #[arg(long, value_name = "DIR")]
         dump_graph: Option<PathBuf>,
+        #[command(flatten)]
+        print: PrintArgs,
         #[command(flatten)]
         common: Common,
     },
@@ -237,6 +241,41 @@ pub(crate) struct MarksArgs {
     /// Colour of the ink.
     #[arg(long, value_name = "COLOUR", default_value = "black")]
     pub(crate) ink: String,
+}
+
+/// Paper and pen.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct PrintArgs {
+    /// Paper for vectors: A4, letter, A3-landscape, 200x300mm [default: the picture's own size].
+    #[arg(long, value_name = "PAPER")]
+    paper: Option<String>,
+    /// What stays free on every side of the paper.
+    #[arg(long, value_name = "LENGTH", default_value = "0mm")]
+    margin: String,
+    /// Whether the picture fills the paper, or lies in its middle at 96 pixels to the inch.
+    #[arg(long, value_name = "fit|centre", default_value = "fit")]
+    place: String,
+    /// Draw vectors for a plotter with a pen of this width: hatching instead of fills.
+    #[arg(long, value_name = "LENGTH")]
+    pen: Option<String>,
+}
+
+impl PrintArgs {
+    /// What the arguments mean.
+    pub(crate) fn print(&self) -> Result<Print> {
+        let mut sheet = Sheet::default();
+        if let Some(paper) = &self.paper {
+            sheet.set_paper(paper)?;
+        }
+        sheet.margin = length("--margin", &self.margin, 0.0..=5000.0)?;
+        sheet.fits = match self.place.as_str() {
+            "fit" => true,
+            "centre" => false,
+            other => return Err(Error::setting("--place", other, "fit or centre")),
+        };
+        let pen = self.pen.as_deref().map(|p| length("--pen", p, 0.02..=50.0)).transpose()?;
+        Ok(Print { sheet, pen })
+    }
 }
 
 impl Command {

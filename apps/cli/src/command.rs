@@ -26,8 +26,9 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let target = Target::parse(output, project.frames().len())?;
             gbuffer::Job { project: &project, target }.run(run).map(Some)
         }
-        Command::Binary { scene, output, ink, dump_graph, .. } => {
+        Command::Binary { scene, output, ink, print, dump_graph, .. } => {
             let options = scene.options()?;
+            let print = print.print()?;
             let (style, knobs) = knobs(ink)?;
             let colours = colours(&ink.ink, &ink.background)?;
             let frames = options.frames.as_ref().map_or(1, Vec::len);
@@ -39,6 +40,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 style: &style,
                 knobs: &knobs,
                 colours,
+                print,
                 target,
                 dump_graph: dump_graph.clone(),
             };

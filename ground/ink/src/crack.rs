@@ -3,10 +3,16 @@
 //! 1. A crack is the unit segment between two pixels; its ends are pixel corners.
 //! 2. Connected cracks shorter in all than a limit are dropped.
 //! 3. Walks between corners where not just two cracks meet, then around what is left, make chains.
-//! 4. A chain becomes the polyline of its cracks' middles, smoothed by binomial weights; ends and
-//!    junctions stay.
+//! 4. A chain becomes the polyline of its cracks' middles, smoothed by binomial weights, and then the
+//!    few curves that stay within half a pixel of it: a line is known no better than that, and the
+//!    stairs of slanted ones are gone. Ends, junctions and corners stay.
 
+use crate::fit::{Fit, fit};
+use crate::path::Point;
 use chiaro_image::Plane;
+
+/// How lines are fitted, in pixels.
+const LINES: Fit = Fit { tolerance: 0.45, corner: std::f64::consts::FRAC_PI_4, blur: 1.5 };
 
 /// Marked cracks of a picture.
 #[derive(Clone, Debug)]
@@ -178,6 +184,17 @@ fn smoothed(chain: &Chain, rounds: usize) -> Polyline {
     for _ in 0..rounds {
         points = binomial(&points, closed);
     }
+    if rounds > 0 { fitted(&points, closed) } else { Polyline { points, closed } }
+}
+
+/// Curves within half a pixel, as points again.
+fn fitted(points: &[[f32; 2]], closed: bool) -> Polyline {
+    let fine: Vec<Point> = points.iter().map(|p| p.map(f64::from)).collect();
+    let Some(path) = fit(&fine, closed, &LINES) else { return Polyline { points: vec![], closed } };
+    let mut points: Vec<[f32; 2]> = path.points(0.02).iter().map(|p| p.map(|x| x as f32)).collect();
+    if closed && points.len() > 1 {
+        points.pop();
+    }
     Polyline { points, closed }
 }
 
@@ -226,8 +243,26 @@ mod tests {
     #[test]
     fn crossing_lines_are_cut_where_they_meet() {
         let lines = outline(9, 9, |x, y| (x < 4) != (y < 4)).polylines(0.0, 2);
+        assert!(lines.iter().all(|l| l.points.len() == 2));
         assert_eq!(lines.len(), 4);
         assert!(lines.iter().all(|l| !l.closed));
+    }
+
+    #[test]
+    fn slanted_lines_have_no_stairs() {
+        for slope in [0.1f32, 0.3, 0.5, 0.77] {
+            let line = |x: usize| 20.0 + slope * (x as f32 - 40.0);
+            let lines = outline(80, 60, |x, y| (y as f32 + 0.5) < line(x)).polylines(8.0, 4);
+            assert_eq!(lines.len(), 1);
+            let turns = lines[0].points.windows(3).map(|w| {
+                let (a, b) = (
+                    [w[1][0] - w[0][0], w[1][1] - w[0][1]],
+                    [w[2][0] - w[1][0], w[2][1] - w[1][1]],
+                );
+                (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
+            });
+            assert!(turns.sum::<f32>() < 0.6, "slope {slope}: {:?}", lines[0].points);
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! ```text
 //! labels --border--> smooth coverage            cracks --chain--> polylines --draw--> coverage
 //! labels --soften, partition, fit--> regions --+
-//!              polylines --simplify, travel--> strokes --> Drawing --> SVG
+//!     regions --hatch--> strokes, polylines --fit, travel--> strokes --> Drawing --> SVG
 //! ```
 //!
 //! Pictures have coordinates in pixels, y down, pixel centres at + 0.5; a [`Drawing`] has them in
@@ -14,6 +14,7 @@ mod border;
 mod crack;
 mod drawing;
 mod fit;
+mod hatch;
 mod paper;
 mod partition;
 mod path;
@@ -26,9 +27,10 @@ pub use border::smooth_coverage;
 pub use crack::{Cracks, Polyline};
 pub use drawing::{Colour, Drawing, Layer, Mark, Travel};
 pub use fit::{Fit, fit, simplified};
+pub use hatch::{Area, Hatch};
 pub use paper::{Placement, Sheet, length};
 pub use partition::{Partition, Region};
 pub use path::{Path, Point, Segment};
 pub use soften::{NOTHING, Soft};
 pub use stroke::draw;
-pub use travel::{Plan, plan};
+pub use travel::{Plan, joined, plan};

@@ -79,7 +79,9 @@ impl Grid {
     }
 }
 
-fn joined(paths: Vec<Path>, join: f64) -> Vec<Path> {
+/// Open strokes whose ends lie within `join` of each other, joined to longer ones and to closed
+/// ones.
+pub fn joined(paths: Vec<Path>, join: f64) -> Vec<Path> {
     if join <= 0.0 {
         return paths;
     }

@@ -11,6 +11,7 @@ use crate::lighting::Lighting;
 use crate::project::Project;
 use crate::record::{Output, Record};
 use crate::style::Style;
+use crate::vector::{self, Plate, Print};
 use crate::write;
 use chiaro_basis::{Knobs, Result, Run};
 use chiaro_binary::{
@@ -203,6 +204,8 @@ pub struct Job<'a> {
     pub knobs: &'a BinaryKnobs,
     /// The colours.
     pub colours: Colours,
+    /// How vectors and print sizes lie on paper.
+    pub print: Print,
     /// Where the picture goes.
     pub target: Target,
     /// A folder for the graph, if wanted.
@@ -239,7 +242,10 @@ impl Job<'_> {
                 continue;
             }
             let output = run.stage("write", 1, || {
-                let bytes = encode.encode(&picture, &self.colours, &recipe)?;
+                let bytes = match encode {
+                    Encoding::Svg => self.svg(&picture, number, &recipe, &mut counts)?,
+                    _ => encode.encode(&picture, &self.colours, &recipe)?,
+                };
                 match self.target {
                     Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
                     _ => write::whole(&file, &bytes),
@@ -262,6 +268,29 @@ impl Job<'_> {
             Some(folder) => dump::graph(&dump::folder(folder, &self.target, number), steps),
             None => Ok(Vec::new()),
         }
+    }
+
+    fn svg(
+        &self,
+        picture: &Picture,
+        frame: u32,
+        recipe: &str,
+        counts: &mut [(u32, Value)],
+    ) -> Result<Vec<u8>> {
+        let plate = Plate {
+            labels: &picture.steps.white.map(|w| u8::from(*w)),
+            covered: &picture.view.buffer.covered,
+            colours: &[self.colours.ink, self.colours.paper],
+            lines: &picture.steps.lines,
+            scheme: &self.colours,
+        };
+        let title = format!("{} {frame}", self.project.file_name());
+        let (svg, travel) = vector::draw(&plate, self.knobs, &self.print, &title, recipe)?;
+        if let Some((_, count)) = counts.last_mut() {
+            count["pen_down_mm"] = json!(travel.down);
+            count["pen_up_mm"] = json!(travel.up);
+        }
+        Ok(svg.into_bytes())
     }
 
     fn describe(&self, record: &mut Record, shot: &Shot<'_>, counts: Vec<(u32, Value)>) {
@@ -293,6 +322,9 @@ impl Job<'_> {
                 "shadows": shot.exposure.shadows,
             }),
         );
+        if self.target.extension() == "svg" {
+            s.insert("print".into(), self.print.settings());
+        }
         for (knob, value) in self.knobs.values() {
             s.insert(knob.name.into(), json_of(&value));
         }
@@ -330,6 +362,7 @@ pub fn check_target(target: &Target) -> Result<()> {
 enum Encoding {
     Png,
     Pbm,
+    Svg,
 }
 
 impl Encoding {
@@ -337,10 +370,11 @@ impl Encoding {
         match target.extension().as_str() {
             "png" | "apng" => Ok(Self::Png),
             "pbm" => Ok(Self::Pbm),
+            "svg" => Ok(Self::Svg),
             other => Err(chiaro_basis::Error::setting(
                 "-o",
                 format!(".{other}"),
-                "a file name that ends in .png, .apng or .pbm",
+                "a file name that ends in .png, .apng, .pbm or .svg",
             )),
         }
     }
@@ -348,6 +382,7 @@ impl Encoding {
     fn encode(self, picture: &Picture, colours: &Colours, recipe: &str) -> Result<Vec<u8>> {
         match self {
             Self::Pbm => Ok(codec::write_pbm(&one_bit(&picture.marks, colours.paper_is_white()))),
+            Self::Svg => unreachable!("vectors are drawn, not encoded"),
             Self::Png if colours.are_grey() => {
                 let grey = colour(&picture.marks, colours).map(|p| p[0]);
                 codec::write_png_grey(&grey, Some(recipe))

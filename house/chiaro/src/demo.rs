@@ -86,6 +86,7 @@ fn draw(
         style: &style,
         knobs: &style.binary,
         colours,
+        print: Default::default(),
         target,
         dump_graph: None,
     };

@@ -22,6 +22,7 @@ pub mod page;
 pub mod project;
 pub mod record;
 pub mod style;
+pub mod vector;
 pub mod write;
 
 pub use project::{Options, Project};

@@ -1,0 +1,219 @@
+//! Regions and lines as SVG in millimetres, for printers and screens (closed fills beneath strokes)
+//! or for a pen (hatching, inset outlines and strokes).
+//!
+//! 1. The labels are smoothed as the picture is, and their borders traced once each.
+//! 2. Fills: one path a region with its holes, one layer a colour.
+//!    With a pen: each colour but the paper's is hatched, the wider apart the lighter it is.
+//! 3. Lines: joined within 0.1 mm, fitted to 0.05 mm, ordered for little travel, one layer a pen.
+
+use crate::binary::Colours;
+use chiaro_basis::Result;
+use chiaro_binary::{BinaryKnobs, Lines, scaled};
+use chiaro_image::Plane;
+use chiaro_ink::{
+    Area, Colour, Drawing, Fit, Hatch, Layer, Mark, NOTHING, Partition, Path, Placement, Polyline,
+    Soft, Travel, fit, joined,
+};
+pub use chiaro_ink::{Sheet, length};
+use serde_json::{Value, json};
+
+/// Ends of strokes that are nearer than this are joined, in millimetres.
+const JOIN: f64 = 0.1;
+/// How far strokes may be from the lines of the picture, in millimetres.
+const STROKE_TOLERANCE: f64 = 0.05;
+
+/// How a picture lies on paper, and what draws it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Print {
+    /// The paper.
+    pub sheet: Sheet,
+    /// The width of a plotter's pen in millimetres; `None`: regions are filled.
+    pub pen: Option<f64>,
+}
+
+impl Print {
+    /// For recipes.
+    pub fn settings(&self) -> Value {
+        let Sheet { paper, turns, margin, fits } = self.sheet;
+        json!({ "paper": paper, "turns": turns, "margin": margin, "fits": fits, "pen": self.pen })
+    }
+}
+
+/// What is drawn.
+pub struct Plate<'a> {
+    /// Labels of covered pixels, from 0 on.
+    pub labels: &'a Plane<u8>,
+    /// Where there is something.
+    pub covered: &'a Plane<bool>,
+    /// The colour of each label.
+    pub colours: &'a [Colour],
+    /// Lines on top.
+    pub lines: &'a Lines,
+    /// Colours of lines and background.
+    pub scheme: &'a Colours,
+}
+
+/// Draws a plate as a whole SVG file; with how far the pen goes.
+///
+/// # Errors
+/// [`chiaro_basis::Error::Setting`] when the margins leave nothing of the paper.
+pub fn draw(
+    plate: &Plate<'_>,
+    knobs: &BinaryKnobs,
+    print: &Print,
+    title: &str,
+    recipe: &str,
+) -> Result<(String, Travel)> {
+    let place = print.sheet.place(plate.labels.size())?;
+    let regions = Regions::trace(plate, knobs, &place);
+    let (layers, travel) = match print.pen {
+        None => fill(plate, &regions, &place),
+        Some(pen) => Plotter { plate, knobs, place: &place, pen }.layers(&regions),
+    };
+    let background = plate.scheme.background;
+    let drawing = Drawing {
+        page: place.page,
+        title: title.into(),
+        recipe: Some(recipe.into()),
+        background: (background[3] > 0.0 && print.pen.is_none()).then_some(background),
+        layers,
+    };
+    Ok((drawing.to_svg(), travel))
+}
+
+/// The outlines of each label's regions, on the page.
+struct Regions {
+    by_label: Vec<Vec<Vec<Path>>>,
+}
+
+impl Regions {
+    fn trace(plate: &Plate<'_>, knobs: &BinaryKnobs, place: &Placement) -> Self {
+        let height = plate.labels.height();
+        let sigma = scaled(knobs.smooth, height);
+        let count = plate.colours.len() as u8;
+        let soft = Soft::new(plate.labels, plate.covered, count, sigma);
+        let how = Fit {
+            tolerance: f64::from(scaled(knobs.vector_tolerance, height)),
+            corner: f64::from(knobs.vector_corner).to_radians(),
+            blur: f64::from(sigma.max(0.5)),
+        };
+        let partition = Partition::trace(soft.labels(), |p, q| soft.crossing(p, q), &how);
+        let mut by_label = vec![Vec::new(); plate.colours.len()];
+        for region in partition.regions.iter().filter(|r| r.label != NOTHING) {
+            let outline = partition.outline(region);
+            let outline = outline.iter().map(|path| path.map(|p| place.at(p))).collect();
+            by_label[usize::from(region.label)].push(outline);
+        }
+        Self { by_label }
+    }
+}
+
+/// Closed fills, a layer a colour, and the lines as strokes of their width.
+fn fill(plate: &Plate<'_>, regions: &Regions, place: &Placement) -> (Vec<Layer>, Travel) {
+    let mut layers = Vec::new();
+    for (outlines, &colour) in regions.by_label.iter().zip(plate.colours) {
+        let fill = |outline: &Vec<Path>| Mark::Fill { outline: outline.clone(), colour };
+        let marks: Vec<Mark> = outlines.iter().map(fill).collect();
+        if !marks.is_empty() {
+            layers
+                .push(Layer { name: format!("{} fill {}", layers.len() + 1, hex(colour)), marks });
+        }
+    }
+    let width = f64::from(plate.lines.width) * place.scale;
+    let mut travel = Travel::default();
+    for (lines, colour) in
+        [(&plate.lines.white, plate.scheme.paper), (&plate.lines.black, plate.scheme.ink)]
+    {
+        if !lines.is_empty() {
+            let name = format!("{} lines {}", layers.len() + 1, hex(colour));
+            let paths = strokes(lines, place);
+            let (layer, way) = Layer::strokes(name, paths, width, colour, 0.0);
+            layers.push(layer);
+            travel = travel + way;
+        }
+    }
+    (layers, travel)
+}
+
+/// Strokes of one pen a colour.
+struct Plotter<'a> {
+    plate: &'a Plate<'a>,
+    knobs: &'a BinaryKnobs,
+    place: &'a Placement,
+    pen: f64,
+}
+
+impl Plotter<'_> {
+    fn layers(&self, regions: &Regions) -> (Vec<Layer>, Travel) {
+        let mut layers = Vec::new();
+        let mut travel = Travel::default();
+        let scheme = self.plate.scheme;
+        let free = strokes(&self.plate.lines.white, self.place);
+        for (outlines, &colour) in regions.by_label.iter().zip(self.plate.colours) {
+            let mut paths = self.hatched(outlines, colour, &free);
+            if colour == scheme.ink {
+                paths.extend(strokes(&self.plate.lines.black, self.place));
+            }
+            if !paths.is_empty() {
+                let name = format!("{} pen {}", layers.len() + 1, hex(colour));
+                let (layer, way) = Layer::strokes(name, paths, self.pen, colour, JOIN);
+                layers.push(layer);
+                travel = travel + way;
+            }
+        }
+        (layers, travel)
+    }
+
+    fn hatched(&self, outlines: &[Vec<Path>], colour: Colour, free: &[Path]) -> Vec<Path> {
+        let Some(spacing) = self.spacing(colour) else { return Vec::new() };
+        let angle = f64::from(self.knobs.hatch_angle).to_radians();
+        let how = Hatch { angle, spacing, pen: self.pen };
+        let width = f64::from(self.plate.lines.width) * self.place.scale;
+        let mut paths = Vec::new();
+        for outline in outlines {
+            let mut area = Area::new(outline);
+            area.keep_free(free, width);
+            paths.extend(area.hatched(&how));
+            if self.knobs.hatch_outline {
+                paths.extend(area.inset(self.pen).iter().filter_map(|p| smoothed(p, self.pen)));
+            }
+        }
+        paths
+    }
+
+    /// Millimetres from stroke to stroke: black as the knob says, lighter colours in proportion;
+    /// `None` for the paper's colour.
+    fn spacing(&self, colour: Colour) -> Option<f64> {
+        let lightness = |c: Colour| 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
+        let paper = lightness(self.plate.scheme.paper);
+        let dark = f64::from((paper - lightness(colour)) / paper.max(1e-3));
+        let full = f64::from(self.knobs.hatch_spacing) * self.pen;
+        // A colour as light as paper still shows, if it is another.
+        (colour != self.plate.scheme.paper).then(|| full / dark.clamp(0.1, 1.0))
+    }
+}
+
+/// Lines of pixels as strokes on the page, joined and fitted.
+fn strokes(lines: &[Polyline], place: &Placement) -> Vec<Path> {
+    let on_page = |line: &Polyline| {
+        let points: Vec<_> = line.points.iter().map(|p| place.at(p.map(f64::from))).collect();
+        Path::through(&points, line.closed)
+    };
+    let paths = joined(lines.iter().filter_map(on_page).collect(), JOIN);
+    paths.iter().filter_map(|path| smoothed(path, place.scale)).collect()
+}
+
+/// A path of short straight pieces, about `step` long, as few curves.
+fn smoothed(path: &Path, step: f64) -> Option<Path> {
+    let mut points = path.points(STROKE_TOLERANCE);
+    if path.closed {
+        points.pop();
+    }
+    let corner = std::f64::consts::FRAC_PI_4;
+    fit(&points, path.closed, &Fit { tolerance: STROKE_TOLERANCE, corner, blur: step })
+}
+
+fn hex(colour: Colour) -> String {
+    let [r, g, b] = [0, 1, 2].map(|i| (colour[i].clamp(0.0, 1.0) * 255.0).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
