@@ -12,10 +12,18 @@
 //! light only where the default view and the default light would not do. The same call gives the
 //! same bytes.
 
+mod bowl;
+mod cactus;
 mod cornell;
+mod courtyard;
+mod desk;
+mod fruit;
 mod head;
+mod metaballs;
 #[allow(dead_code)]
 mod motion;
+mod multipod;
+mod rig;
 mod rocks;
 #[allow(dead_code, unused_imports)]
 mod shape;
@@ -38,9 +46,15 @@ const MAKERS: &[(&str, Maker)] = &[
     ("torus", Maker::Fixed(solids::torus)),
     ("bumpy-torus", Maker::Fixed(solids::bumpy_torus)),
     ("peanut", Maker::Fixed(solids::peanut)),
+    ("multipod", Maker::Fixed(multipod::multipod)),
+    ("metaballs", Maker::Fixed(metaballs::metaballs)),
     ("golf-ball", Maker::Fixed(solids::golf_ball)),
     ("head", Maker::Fixed(head::head)),
+    ("desk", Maker::Fixed(desk::desk)),
+    ("bowl", Maker::Fixed(bowl::bowl)),
+    ("cactus", Maker::Fixed(cactus::cactus)),
     ("cornell-box", Maker::Fixed(cornell::cornell_box)),
+    ("courtyard", Maker::Sized(courtyard::courtyard, 2, 64)),
     ("sphere-field", Maker::Fixed(sphere_field::flat)),
     ("sphere-field-smooth", Maker::Fixed(sphere_field::smooth)),
     ("rocks", Maker::Sized(rocks::rocks, 4, 16)),

@@ -31,6 +31,12 @@ pub(crate) fn moving(at: impl Fn(f64) -> DVec3) -> Motion {
     keyed(Property::Translation, |t| at(t).to_array())
 }
 
+/// Morph weights (cos, sin) that turn `times` in a loop: the two shapes make a travelling wave.
+pub(crate) fn waving(times: u32) -> Motion {
+    let angle = |t: f64| std::f64::consts::TAU * f64::from(times) * t;
+    keyed(Property::Weights, |t| [angle(t).cos(), angle(t).sin()])
+}
+
 fn keyed<const N: usize>(property: Property, at: impl Fn(f64) -> [f64; N]) -> Motion {
     let times = (0..=FRAMES).map(|k| (k as f64 / RATE) as f32).collect();
     let value = |k: usize| at(k as f64 / FRAMES as f64).map(|x| x as f32);

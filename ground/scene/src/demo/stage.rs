@@ -3,10 +3,12 @@
 use super::motion::Motion;
 use super::shape::Form;
 use crate::{
-    Camera, Channel, Clip, Light, LightKind, Material, MaterialId, Mesh, MeshId, Node, NodeId,
-    NormalSource, Pose, Projection, Scene, Stored, Transform,
+    Camera, Channel, Clip, Filter, Light, LightKind, Material, MaterialId, Mesh, MeshId, Node,
+    NodeId, NormalSource, Pose, Projection, Scene, Stored, Texture, TextureId, TextureUse,
+    Transform, Wrap,
 };
-use chiaro_basis::math::{DMat3, DQuat, DVec3, Vec3};
+use chiaro_basis::math::{DMat3, DQuat, DVec3, Vec2, Vec3, vec2};
+use chiaro_image::Plane;
 
 /// A scene in the making.
 #[derive(Default)]
@@ -50,6 +52,35 @@ impl Stage {
             base_colour,
             roughness,
             metallic,
+            double_sided: false,
+            ..Material::default()
+        })
+    }
+
+    /// A material whose colour is a picture of `size` pixels: sRGB in [0, 1] at each (u, v).
+    pub(crate) fn painted(
+        &mut self,
+        name: &str,
+        roughness: f32,
+        [width, height]: [usize; 2],
+        colour: impl Fn(f32, f32) -> [f32; 3] + Sync,
+    ) -> MaterialId {
+        let pixels = Plane::from_fn(width, height, |x, y| {
+            let at = |i: usize, n: usize| (i as f32 + 0.5) / n as f32;
+            let [r, g, b] = colour(at(x, width), at(y, height));
+            [r, g, b, 1.0].map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8)
+        });
+        self.scene.textures.push(Texture {
+            name: name.into(),
+            pixels: pixels.into(),
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+        });
+        let picture = TextureUse::plain(TextureId::new(self.scene.textures.len() - 1));
+        self.push_material(Material {
+            name: name.into(),
+            base_texture: Some(picture),
+            roughness,
             double_sided: false,
             ..Material::default()
         })
@@ -148,6 +179,13 @@ impl Stage {
         });
     }
 
+    /// Light from a node, in candela; it shines along the node's -z.
+    pub(crate) fn lamp(&mut self, node: NodeId, kind: LightKind, colour: [f32; 3], intensity: f32) {
+        let name = "lamp".into();
+        let range = f32::INFINITY;
+        self.scene.lights.push(Light { name, node, kind, colour, intensity, range });
+    }
+
     /// Lets a node move.
     pub(crate) fn animate(&mut self, node: NodeId, motion: Motion) {
         let Motion { property, track } = motion;
@@ -166,6 +204,7 @@ impl Stage {
             triangles: sum(&|m| m.triangles.len()),
             vertices: sum(&|m| m.positions.len()),
             materials: self.scene.materials.len() as u64,
+            textures: self.scene.textures.len() as u64,
             ..Stored::default()
         };
         self.scene
@@ -190,8 +229,33 @@ pub(crate) fn mesh(name: &str, parts: impl IntoIterator<Item = (Form, MaterialId
     }
 }
 
+impl Mesh {
+    /// With texture coordinates that a map makes of position and normal.
+    pub(crate) fn mapped(mut self, map: impl Fn(Vec3, Vec3) -> Vec2) -> Self {
+        let NormalSource::Given(normals) = &self.normals else { return self };
+        self.uvs = vec![self.positions.iter().zip(normals).map(|(&p, &n)| map(p, n)).collect()];
+        self
+    }
+}
+
+/// Texture coordinates of a box: from the side that the normal faces, u to the right and v down,
+/// `scale` of them a unit.
+pub(crate) fn boxed(scale: Vec2) -> impl Fn(Vec3, Vec3) -> Vec2 {
+    move |p, n| {
+        let a = n.abs();
+        let flat = if a.y >= a.x && a.y >= a.z {
+            vec2(p.x, p.z)
+        } else if a.z >= a.x {
+            vec2(p.x, -p.y)
+        } else {
+            vec2(p.z, -p.y)
+        };
+        scale * flat
+    }
+}
+
 /// The transform whose -z looks from one point to another, y as near up as can be.
-fn facing(from: Vec3, to: Vec3) -> Transform {
+pub(crate) fn facing(from: Vec3, to: Vec3) -> Transform {
     let pose = Pose::look_at(from, to, Vec3::Y, Projection::Orthographic { half_height: 1.0 });
     let axes = [pose.right, pose.up, -pose.forward].map(Vec3::as_dvec3);
     let rotation = DQuat::from_mat3(&DMat3::from_cols(axes[0], axes[1], axes[2])).normalize();

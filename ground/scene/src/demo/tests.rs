@@ -113,22 +113,31 @@ fn normals_are_unit_and_on_the_side_of_their_faces() {
 #[test]
 fn solids_are_closed_manifolds_that_wind_outwards() {
     let open = ["rocks/rocks", "plane", "wall", "floor", "ceiling", "luminaire"];
+    let mut faults = Vec::new();
     each_mesh(|name, mesh, _| {
         if open.iter().any(|o| name.ends_with(o)) {
             return;
         }
-        let chi = euler(&welded(mesh)).unwrap_or_else(|why| panic!("{name}: {why}"));
+        let chi = match euler(&welded(mesh)) {
+            Ok(chi) => chi,
+            Err(why) => return faults.push(format!("{name}: {why}")),
+        };
         let expected = match name {
             "torus/torus" | "bumpy-torus/bumpy-torus" => Some(0),
             "peanut/peanut" | "golf-ball/golf-ball" => Some(2),
             _ if name.starts_with("sphere-field") => Some(2),
             _ => None,
         };
-        assert!(expected.is_none_or(|e| e == chi), "{name}: {chi}");
+        if expected.is_some_and(|e| e != chi) {
+            faults.push(format!("{name}: {chi}"));
+        }
         let corner = |v: u32| mesh.positions[v as usize].as_dvec3();
         let volume = |t: &[u32; 3]| corner(t[0]).dot(corner(t[1]).cross(corner(t[2])));
-        assert!(mesh.triangles.iter().map(volume).sum::<f64>() > 0.0, "{name} is inside out");
+        if mesh.triangles.iter().map(volume).sum::<f64>() <= 0.0 {
+            faults.push(format!("{name} is inside out"));
+        }
     });
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 #[test]
@@ -162,6 +171,7 @@ fn triangle_counts_are_as_promised() {
         let range = match *name {
             "sphere-field" | "sphere-field-smooth" => 512_000..=512_010,
             "cornell-box" => 1_000..=10_000,
+            "courtyard" => 600_000..=1_200_000,
             _ => 20_000..=200_000,
         };
         assert!(range.contains(&count), "{name}: {count}");

@@ -2,7 +2,8 @@
 
 use super::field::{limb, merge};
 use crate::Bounds;
-use chiaro_basis::math::{Vec3, vec3};
+use chiaro_basis::math::Vec3;
+use rayon::prelude::*;
 
 /// A round cone of a strand.
 #[derive(Clone, Copy)]
@@ -18,6 +19,8 @@ pub(crate) struct Bundle {
     size: [usize; 3],
     /// The pieces near each cell of a grid, strand by strand.
     near: Vec<Vec<Piece>>,
+    /// How far all pieces are at least from anywhere in each cell.
+    far: Vec<f32>,
     blend: f32,
 }
 
@@ -32,13 +35,31 @@ impl Bundle {
         let bounds = Bounds::of(ends);
         let size = ((bounds.max - bounds.min) / CELL).to_array().map(|x| x.max(0.0) as usize + 1);
         let near = vec![Vec::new(); size.iter().product()];
-        let mut bundle = Self { origin: bounds.min, size, near, blend };
+        let mut bundle = Self { origin: bounds.min, size, near, far: Vec::new(), blend };
         for (k, strand) in strands.iter().enumerate() {
             for w in strand.windows(2) {
                 bundle.put(Piece { strand: k as u32, ends: [w[0], w[1]] });
             }
         }
+        bundle.far = bundle.distances(strands);
         bundle
+    }
+
+    /// The least distance from each cell to the strands, less than a cell's half diagonal too small.
+    fn distances(&self, strands: &[Vec<(Vec3, f32)>]) -> Vec<f32> {
+        let pieces: Vec<_> = strands.iter().flat_map(|s| s.windows(2)).collect();
+        let least = |i: usize| {
+            let (x, y, z) = (i % self.size[0], i / self.size[0] % self.size[1], i);
+            let middle = self.middle([x, y, z / (self.size[0] * self.size[1])]);
+            let to = |w: &&[(Vec3, f32)]| limb(middle, w[0].0, w[1].0, w[0].1, w[1].1);
+            pieces.iter().map(to).fold(f32::INFINITY, f32::min) - 0.87 * CELL
+        };
+        let empty = |i: usize| if self.near[i].is_empty() { least(i) } else { f32::INFINITY };
+        (0..self.near.len()).into_par_iter().map(empty).collect()
+    }
+
+    fn middle(&self, cell: [usize; 3]) -> Vec3 {
+        self.origin + CELL * (Vec3::from(cell.map(|c| c as f32)) + 0.5)
     }
 
     /// Enters a piece in the cells that it comes near to.
@@ -51,9 +72,7 @@ impl Bundle {
         for z in span(2) {
             for y in span(1) {
                 for x in span(0) {
-                    let middle =
-                        self.origin + CELL * vec3(x as f32, y as f32, z as f32) + 0.5 * CELL;
-                    if limb(middle, a, b, ra, rb) < 0.87 * CELL + self.blend {
+                    if limb(self.middle([x, y, z]), a, b, ra, rb) < 0.87 * CELL + self.blend {
                         self.near[(z * self.size[1] + y) * self.size[0] + x].push(piece);
                     }
                 }
@@ -61,16 +80,19 @@ impl Bundle {
         }
     }
 
-    /// `field` merged with the strands; exact near them, `field` alone farther than the blend.
+    /// `field` merged with the strands; exact near them, a bound of both farther than the blend.
     pub(crate) fn merged(&self, p: Vec3, field: f32) -> f32 {
         let cell = ((p - self.origin) / CELL).floor();
         let inside = (0..3).all(|k| cell[k] >= 0.0 && cell[k] < self.size[k] as f32);
         if !inside {
-            return field;
+            let far = self.origin + CELL * Vec3::from(self.size.map(|n| n as f32));
+            return field.min(CELL + p.distance(p.clamp(self.origin, far)));
         }
         let [x, y, z] = cell.to_array().map(|c| c as usize);
+        let index = (z * self.size[1] + y) * self.size[0] + x;
+        let field = field.min(self.far[index]);
         let (mut all, mut strand, mut one) = (field, u32::MAX, f32::INFINITY);
-        for piece in &self.near[(z * self.size[1] + y) * self.size[0] + x] {
+        for piece in &self.near[index] {
             if piece.strand != strand {
                 all = merge(all, one, self.blend);
                 (strand, one) = (piece.strand, f32::INFINITY);

@@ -13,6 +13,7 @@ mod noise;
 mod profile;
 mod refine;
 mod scatter;
+mod sweep;
 mod tube;
 
 pub(crate) use ball::ball;
@@ -25,4 +26,5 @@ pub(crate) use loft::{Join, loft, pointed, sheet, wrapped};
 pub(crate) use noise::{cells, layers, noise, ridges};
 pub(crate) use profile::Profile;
 pub(crate) use scatter::{between, rotation, spiral};
-pub(crate) use tube::{curve, stations, tube};
+pub(crate) use sweep::{Placed, ribbon, slab, swept};
+pub(crate) use tube::{Station, curve, hoop, stations, tube};

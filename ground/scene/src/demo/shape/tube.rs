@@ -85,3 +85,19 @@ pub(crate) fn tube(points: &[Vec3], segments: usize, radius: impl Fn(f32) -> f32
     rings.extend((0..cap).rev().map(|k| dome(&list[last], radius(1.0), k, 1.0)));
     loft(&rings, Join { around: true, along: false }).outward()
 }
+
+/// A round tube along a closed flat curve; `across` is the normal of its plane.
+pub(crate) fn hoop(points: &[Vec3], across: Vec3, segments: usize, radius: f32) -> Form {
+    let n = points.len();
+    let ring = |k: usize| -> Ring {
+        let along = (points[(k + 1) % n] - points[(k + n - 1) % n]).normalize();
+        let frame = Station { at: points[k], along, side: across };
+        let spoke = |i: usize| {
+            let (y, x) = (TAU * i as f32 / segments as f32).sin_cos();
+            frame.across(radius * x, radius * y)
+        };
+        (0..segments).map(spoke).collect()
+    };
+    let rings: Vec<Ring> = (0..n).map(ring).collect();
+    loft(&rings, Join { around: true, along: true }).outward()
+}
