@@ -301,7 +301,9 @@ impl<'a> Tracking<'a> {
         let same: Vec<u32> = (0..edges.stroke.len() as u32).collect();
         let stay = (!begins).then_some(same.as_slice());
         let families = [(&silhouettes, forward.as_deref()), (&edges, stay)];
-        self.identity.advance(lines.strokes.len(), &families);
+        let chain = |s: &Stroke| 2 * s.chain + u32::from(s.kind == Kind::Silhouette);
+        let chains: Vec<u32> = lines.strokes.iter().map(chain).collect();
+        self.identity.advance(&chains, &families);
         if let (None, Some(before), false) = (self.fixed, self.film.frames.last(), begins) {
             let number = self.film.frames.len();
             for (a, b, weight) in crate::vote::votes(&before.strokes, &lines.strokes, &ready.view) {

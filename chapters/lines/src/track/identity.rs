@@ -4,8 +4,9 @@
 //!    remembers the stroke that it was last a part of. Along S that memory goes on to the next
 //!    frame; where it meets a visible stroke, the two strokes are linked by the element's length.
 //!    So a line that was hidden for a while finds its old stroke again.
-//! 2. With the whole film known, strokes are joined by their heaviest links first, never two of one
-//!    frame. The joined strokes share an id.
+//! 2. With the whole film known, strokes are joined by their heaviest links first; never two of one
+//!    frame unless they are parts of one chain, with a hidden part of it between them. The joined
+//!    strokes share an id: so what passes in front of a line does not change its id.
 
 use crate::surface::NONE;
 use std::collections::BTreeMap;
@@ -37,6 +38,8 @@ impl Strands {
 pub struct Identity {
     /// The frame of each stroke of the film.
     frames: Vec<u32>,
+    /// The chain of each stroke, a number that no other chain of its frame has.
+    chains: Vec<u32>,
     /// Where each frame's strokes begin.
     first: Vec<u32>,
     /// The last stroke of each element, by family.
@@ -45,13 +48,15 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// Goes on to a frame with `strokes` strokes. `families`: elements of this frame with, for each
+    /// Goes on to a frame. `chains`: for each of its strokes a number that tells its chain from
+    /// others of the frame; `families`: elements of this frame with, for each
     /// element of the frame before, the one that it becomes; without it nothing is remembered.
-    pub fn advance(&mut self, strokes: usize, families: &[(&Strands, Option<&[u32]>)]) {
+    pub fn advance(&mut self, chains: &[u32], families: &[(&Strands, Option<&[u32]>)]) {
         let frame = self.first.len() as u32;
         let base = self.frames.len() as u32;
         self.first.push(base);
-        self.frames.extend(std::iter::repeat_n(frame, strokes));
+        self.frames.extend(std::iter::repeat_n(frame, chains.len()));
+        self.chains.extend(chains);
         let old = std::mem::take(&mut self.memory);
         let mut old = old.into_iter().chain(std::iter::repeat(Vec::new()));
         for (strands, forward) in families {
@@ -103,7 +108,7 @@ impl Identity {
 
     /// An id for every stroke of every frame, numbered as they appear.
     pub fn ids(self) -> Vec<Vec<u32>> {
-        let mut groups = Groups::of(&self.frames);
+        let mut groups = Groups::of(&self.frames, &self.chains);
         let mut links: Vec<((u32, u32), f64)> = self.links.into_iter().collect();
         links.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         for ((a, b), _) in links {
@@ -142,18 +147,18 @@ fn spread(memory: &mut [u32], strands: &Strands) {
     }
 }
 
-/// Groups of strokes with at most one in each frame.
+/// Groups of strokes with those of one chain in each frame.
 struct Groups {
     parent: Vec<u32>,
-    /// Frames of each root's group, rising.
-    frames: Vec<Vec<u32>>,
+    /// Frames of each root's group with the chain there, rising.
+    frames: Vec<Vec<(u32, u32)>>,
 }
 
 impl Groups {
-    fn of(frames: &[u32]) -> Self {
+    fn of(frames: &[u32], chains: &[u32]) -> Self {
         Self {
             parent: (0..frames.len() as u32).collect(),
-            frames: frames.iter().map(|f| vec![*f]).collect(),
+            frames: frames.iter().zip(chains).map(|(f, c)| vec![(*f, *c)]).collect(),
         }
     }
 
@@ -172,7 +177,11 @@ impl Groups {
         }
         let (fa, fb) = (&self.frames[a as usize], &self.frames[b as usize]);
         let (few, many) = if fa.len() < fb.len() { (fa, fb) } else { (fb, fa) };
-        if few.iter().any(|f| many.binary_search(f).is_ok()) {
+        let clashes = |(frame, chain): &(u32, u32)| {
+            let there = many.binary_search_by_key(frame, |f| f.0);
+            there.is_ok_and(|i| many[i].1 != *chain)
+        };
+        if few.iter().any(clashes) {
             return;
         }
         let (root, other) = (a.min(b), a.max(b));
@@ -181,5 +190,6 @@ impl Groups {
         let all = &mut self.frames[root as usize];
         all.extend(moved);
         all.sort_unstable();
+        all.dedup();
     }
 }
