@@ -232,6 +232,18 @@ pub(crate) struct InkArgs {
 /// How lines are drawn.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct MarksArgs {
+    /// What becomes of hidden lines: drop or dashed.
+    #[arg(long, value_name = "HOW")]
+    pub(crate) hidden: Option<String>,
+    /// Paper of SVG files: A4, A3-landscape, letter, 200x300mm [default: as large as the picture].
+    #[arg(long, value_name = "PAPER")]
+    pub(crate) paper: Option<String>,
+    /// What stays free around the picture on paper [default: 10mm].
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) margin: Option<String>,
+    /// Width of the pen of SVG files, as in 0.3mm.
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) pen: Option<String>,
     /// Set a knob, as in width=3; the manual of the library chiaro-lines lists them all.
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub(crate) sets: Vec<String>,

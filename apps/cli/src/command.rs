@@ -1,14 +1,15 @@
 //! Commands: what each does, and what it says at the end.
 
-use crate::args::{Cli, Command, InkArgs, StyleAction};
+use crate::args::{Cli, Command, InkArgs, MarksArgs, StyleAction};
 use chiaro::binary::{self, Colours};
 use chiaro::film::Target;
 use chiaro::project::Project;
 use chiaro::record::Record;
 use chiaro::style::{self, Style};
 use chiaro::{compare, demo, figures, gbuffer, info, lines, mincut};
-use chiaro_basis::{Error, Result, Run};
+use chiaro_basis::{Error, Knobs, Result, Run};
 use chiaro_image::colour::parse_colour;
+use chiaro_ink::{Sheet, length};
 use chiaro_lines::LinesKnobs;
 use clap::CommandFactory;
 use std::io::Write;
@@ -50,10 +51,15 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let options = scene.options()?;
             let mut knobs = LinesKnobs::default();
             marks.sets.iter().try_for_each(|text| style::set(&mut knobs, text))?;
+            if let Some(hidden) = &marks.hidden {
+                knobs.set("hidden", hidden)?;
+            }
             let colours = colours(&marks.ink, &marks.background)?;
+            let (sheet, pen) = paper(marks)?;
             let target = lines::target(output, options.frames.as_ref().map_or(1, Vec::len))?;
             let project = Project::open(&scene.scene, options, run)?;
-            lines::Job { project: &project, knobs: &knobs, colours, target }.run(run).map(Some)
+            let (project, knobs) = (&project, &knobs);
+            lines::Job { project, knobs, colours, sheet, pen, target }.run(run).map(Some)
         }
         Command::Compare { a, b, .. } => compare::compare(a, b, run).map(Some),
         Command::Mincut { file, output, verify, .. } => {
@@ -94,6 +100,20 @@ fn colours(ink: &str, background: &str) -> Result<Colours> {
         background: named("--background", background)?,
         ..Colours::default()
     })
+}
+
+/// The paper and the pen's width in millimetres.
+fn paper(marks: &MarksArgs) -> Result<(Sheet, Option<f64>)> {
+    let mut sheet = Sheet::default();
+    if let Some(paper) = &marks.paper {
+        sheet.set_paper(paper)?;
+        sheet.margin = 10.0;
+    }
+    if let Some(margin) = &marks.margin {
+        sheet.margin = length("--margin", margin, 0.0..=1000.0)?;
+    }
+    let pen = marks.pen.as_ref().map(|p| length("--pen", p, 0.01..=50.0)).transpose()?;
+    Ok((sheet, pen))
 }
 
 fn list_styles(output: &Option<std::path::PathBuf>, run: &Run) -> Result<Option<Record>> {

@@ -94,7 +94,7 @@ impl Scenery<'_> {
             + normal.cross(a - c) * values[1]
             + normal.cross(b - a) * values[2];
         let buried = gradient.dot(self.view.to_eye(at)) < 0.0;
-        Segment { own: [face, NONE], buried }
+        Segment { own: [face, NONE], buried, outside: false }
     }
 
     /// A segment along a crease: seen on the outside of a convex edge alone.
@@ -102,9 +102,9 @@ impl Scenery<'_> {
         match self.surface.crease_of(face as usize) {
             Some(Crease { left, right }) => {
                 let buried = !self.is_convex(left, right);
-                Segment { own: [left / 3, right / 3], buried }
+                Segment { own: [left / 3, right / 3], buried, outside: false }
             }
-            None => Segment { own: [NONE; 2], buried: true },
+            None => Segment { own: [NONE; 2], buried: true, outside: false },
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::contour::Scenery;
 use crate::feature::Features;
-use crate::knob::LinesKnobs;
+use crate::knob::{Hidden, LinesKnobs};
 use crate::path::{Kind, Path};
 use crate::posed::Posed;
 use crate::sight::Sight;
@@ -10,7 +10,7 @@ use crate::slice::Slice;
 use crate::stroke::Stroke;
 use crate::surface::Surface;
 use crate::view::View;
-use crate::visibility::{Limits, Run, Visible, visible};
+use crate::visibility::{Limits, Run, Visible, hidden, visible};
 use chiaro_basis::math::DVec3;
 
 /// What the frames of a shot share.
@@ -46,6 +46,8 @@ pub struct Lines {
     pub visible: Visible,
     /// The visible runs as strokes.
     pub strokes: Vec<Stroke>,
+    /// The hidden parts as strokes, if they are wanted; no part of `runs`.
+    pub hidden: Vec<Stroke>,
     /// For each stroke, its path and its run.
     pub runs: Vec<(usize, Run)>,
 }
@@ -75,7 +77,8 @@ impl Lines {
         let limits = Limits { gap: f64::from(knobs.bridge), run: f64::from(knobs.shortest) };
         let visible = visible(&paths, &sight, view, &limits);
         let (strokes, runs) = strokes(&paths, &visible, knobs, moment);
-        Self { g, slice, paths, visible, strokes, runs }
+        let hidden = hidden_strokes(&paths, &visible, knobs, moment);
+        Self { g, slice, paths, visible, strokes, hidden, runs }
     }
 }
 
@@ -94,6 +97,31 @@ fn strokes(
         .map(|(i, path, run)| (Stroke::of(path, run, step, moment.view, next_view), (i, run)))
         .filter(|(stroke, _)| stroke.samples.len() > 1)
         .unzip()
+}
+
+/// The strokes of what is hidden, where that is drawn.
+fn hidden_strokes(
+    paths: &[Path],
+    visible: &Visible,
+    knobs: &LinesKnobs,
+    moment: &Moment<'_>,
+) -> Vec<Stroke> {
+    if knobs.hidden == Hidden::Drop {
+        return Vec::new();
+    }
+    let next_view = moment.next.map(|n| n.1);
+    let (step, shortest) = (f64::from(knobs.step), f64::from(knobs.shortest));
+    let drawn = paths.iter().zip(&visible.runs).filter(|(p, _)| is_drawn(p.kind, knobs));
+    drawn
+        .flat_map(|(path, runs)| {
+            hidden(path, runs, shortest).into_iter().map(move |run| (path, run))
+        })
+        .map(|(path, run)| Stroke {
+            visible: false,
+            ..Stroke::of(path, run, step, moment.view, next_view)
+        })
+        .filter(|stroke| stroke.samples.len() > 1)
+        .collect()
 }
 
 fn is_drawn(kind: Kind, knobs: &LinesKnobs) -> bool {

@@ -179,7 +179,7 @@ fn feature_path(chain: &FeatureChain, index: u32, scenery: &Scenery<'_>, g: &[f6
         let own = [half / 3, other_face(surface, half)];
         for ([t0, t1], buried) in parts(chain.kind, half, marked != half, scenery, g) {
             if t0 < t1 {
-                segments.push(Segment { own, buried });
+                segments.push(Segment { own, buried, outside: false });
                 points.push(if t1 >= 1.0 { to } else { Point::mix(&from, &to, t1) });
             }
         }

@@ -22,6 +22,7 @@ use chiaro_basis::math::{DVec2, DVec3};
 use chiaro_basis::{Result, Run};
 use chiaro_scene::{Frame, Scene};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A shot: a scene, and its frame and camera at each of a number of times.
@@ -60,8 +61,10 @@ pub struct FilmFrame {
     pub interval: Interval,
     /// Whether the frame begins a new block of space-time: the first one, and after a camera cut.
     pub begins: bool,
-    /// What is drawn.
+    /// What is seen.
     pub strokes: Vec<Stroke>,
+    /// What is hidden, where that is drawn; ids go on after those of what is seen.
+    pub hidden: Vec<Stroke>,
     /// Stretches that voted on visibility, and those that did not agree.
     pub stretches: [u64; 2],
 }
@@ -186,6 +189,8 @@ struct Tracking<'a> {
     kinetic: Option<Kinetic<'a>>,
     next_label: u32,
     turned: f64,
+    /// The greatest picture length of each label's chain.
+    lengths: BTreeMap<u32, f64>,
 }
 
 /// What tracking needs of the frame before.
@@ -206,6 +211,7 @@ impl<'a> Tracking<'a> {
             kinetic: None,
             next_label: 0,
             turned: 0.0,
+            lengths: BTreeMap::new(),
         }
     }
 
@@ -236,6 +242,10 @@ impl<'a> Tracking<'a> {
             self.locate(&interval, &ready.posed.positions, &ready.view);
             self.film.frames.last_mut().expect("an interval ends a frame").interval = interval;
         }
+        for path in lines.paths.iter().filter(|p| p.kind == Kind::Silhouette) {
+            let longest = self.lengths.entry(labels[path.chain as usize]).or_insert(0.0);
+            *longest = longest.max(path.total());
+        }
         let stretches = [lines.visible.stretches, lines.visible.split];
         self.film.frames.push(FilmFrame {
             view: ready.view,
@@ -244,6 +254,7 @@ impl<'a> Tracking<'a> {
             interval: Interval::default(),
             begins,
             strokes: lines.strokes,
+            hidden: lines.hidden,
             stretches,
         });
         self.last =
@@ -342,10 +353,44 @@ impl<'a> Tracking<'a> {
         for (frame, ids) in film.frames.iter_mut().zip(self.identity.ids()) {
             frame.strokes.iter_mut().zip(ids).for_each(|(s, id)| s.id = id);
         }
+        name_hidden(&mut film);
+        prune(&mut film, &self.lengths, f64::from(self.knobs.prune));
         for event in &mut film.events {
             event.strokes = taking_part(event, &film.frames);
         }
         film
+    }
+}
+
+/// Gives hidden strokes one id a line, after those of visible strokes.
+fn name_hidden(film: &mut Film) {
+    let visible = film.frames.iter().flat_map(|f| &f.strokes).map(|s| s.id + 1).max();
+    let mut ids = BTreeMap::new();
+    for frame in &mut film.frames {
+        for stroke in &mut frame.hidden {
+            let line = match stroke.kind {
+                Kind::Silhouette => frame.labels[stroke.chain as usize],
+                _ => stroke.chain,
+            };
+            let next = visible.unwrap_or(0) + ids.len() as u32;
+            stroke.id = *ids.entry((stroke.kind, line)).or_insert(next);
+        }
+    }
+}
+
+/// Drops closed silhouettes that never grow longer than `longest` pixels: what noise makes. It is
+/// decided once over the life of a label, so that nothing flickers.
+fn prune(film: &mut Film, lengths: &BTreeMap<u32, f64>, longest: f64) {
+    for frame in &mut film.frames {
+        let (labels, chains) = (&frame.labels, &frame.slice.chains);
+        let stays = |s: &Stroke| {
+            let chain = s.chain as usize;
+            s.kind != Kind::Silhouette
+                || !chains[chain].closed
+                || lengths.get(&labels[chain]).is_none_or(|l| *l >= longest)
+        };
+        frame.strokes.retain(stays);
+        frame.hidden.retain(stays);
     }
 }
 

@@ -20,7 +20,7 @@ mod vote;
 pub use extract::{Lines, Moment, Stage};
 pub use feature::{FeatureChain, Features};
 pub use film::{Film, FilmEvent, FilmFrame, Ground, Reel};
-pub use knob::LinesKnobs;
+pub use knob::{Hidden, LinesKnobs};
 pub use measure::{Measures, distance, measure};
 pub use path::{Kind, Path, Place, Point, Segment};
 pub use posed::{Posed, positions};

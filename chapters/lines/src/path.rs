@@ -57,6 +57,8 @@ pub struct Segment {
     pub own: [u32; 2],
     /// Never visible, whatever is in front.
     pub buried: bool,
+    /// Outside the picture.
+    pub outside: bool,
 }
 
 /// A line of one frame.
@@ -119,7 +121,7 @@ impl Path {
 
     /// Adds the segment from `a`, which is there already, to `b`.
     fn run(&mut self, a: Point, b: Point, segment: Segment, view: &View, margin: f64) {
-        let outside = Segment { buried: true, ..segment };
+        let outside = Segment { buried: true, outside: true, ..segment };
         let Some([t0, t1]) = inside(a.world, b.world, view, margin) else {
             self.segments.push(outside);
             self.put(b, view);

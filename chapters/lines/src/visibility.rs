@@ -94,7 +94,7 @@ impl Looker<'_> {
         cuts.sort_by(f64::total_cmp);
         let mut labels = Vec::new();
         for pair in cuts.windows(2).filter(|p| p[0] < p[1]) {
-            let middle = (0.5 * (pair[0] + pair[1])) as usize;
+            let middle = ((0.5 * (pair[0] + pair[1])) as usize).min(segments.len() - 1);
             if segments[middle].buried {
                 labels.push(Label { start: pair[0], end: pair[1], seen: false });
             } else {
@@ -194,6 +194,33 @@ fn runs(path: &Path, labels: Vec<Label>, limits: &Limits) -> Vec<Run> {
     }
     runs.retain(|r| run_length(path, *r) >= limits.run);
     runs
+}
+
+/// The parts of a path inside the picture that its visible runs leave, those below `shortest`
+/// pixels left out.
+pub(crate) fn hidden(path: &Path, runs: &[Run], shortest: f64) -> Vec<Run> {
+    let n = path.segments.len() as f64;
+    let mut covered: Vec<[Place; 2]> = Vec::new();
+    for run in runs {
+        covered.push([run.start, run.end.min(n)]);
+        if run.end > n {
+            covered.push([0.0, run.end - n]);
+        }
+    }
+    let outside = (0..path.segments.len()).filter(|&k| path.segments[k].outside);
+    covered.extend(outside.map(|k| [k as f64, (k + 1) as f64]));
+    covered.push([n, n]);
+    covered.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut from = 0.0;
+    let mut hidden = Vec::new();
+    for [start, end] in covered {
+        let run = Run { start: from, end: start };
+        if start > from && run_length(path, run) >= shortest {
+            hidden.push(run);
+        }
+        from = end.max(from);
+    }
+    hidden
 }
 
 /// Whether nothing between two places lies outside the picture.

@@ -52,6 +52,17 @@ pub enum Mark {
         /// Its colour.
         colour: Colour,
     },
+    /// A stroke with a name of its own, which other programs can look up.
+    Named {
+        /// The name, once a file.
+        name: String,
+        /// The middle of the line.
+        path: Path,
+        /// Millimetres.
+        width: f64,
+        /// Its colour.
+        colour: Colour,
+    },
 }
 
 impl Layer {

@@ -59,18 +59,25 @@ fn write_layer(out: &mut String, number: usize, layer: &Layer) {
                 out.push_str(" fill-rule=\"evenodd\" d=\"");
                 outline.iter().for_each(|path| write_path(out, path));
             }
-            Mark::Stroke { path, width, colour } => {
-                out.push_str(
-                    "<path fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\"",
-                );
-                out.push_str(&paint("stroke", *colour));
-                push(out, format_args!(" stroke-width=\"{}\" d=\"", self::number(*width)));
-                write_path(out, path);
+            Mark::Stroke { path, width, colour } => write_stroke(out, "", path, *width, *colour),
+            Mark::Named { name, path, width, colour } => {
+                let id = format!(" id=\"{}\"", escaped(name));
+                write_stroke(out, &id, path, *width, *colour);
             }
         }
         out.push_str("\"/>\n");
     }
     out.push_str("</g>\n");
+}
+
+fn write_stroke(out: &mut String, id: &str, path: &Path, width: f64, colour: Colour) {
+    push(
+        out,
+        format_args!("<path{id} fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\""),
+    );
+    out.push_str(&paint("stroke", colour));
+    push(out, format_args!(" stroke-width=\"{}\" d=\"", number(width)));
+    write_path(out, path);
 }
 
 /// `M x y L x y C x y x y x y Z`.

@@ -48,7 +48,7 @@ fn frame(text: &mut String, number: u32, frame: &FilmFrame) {
     let _ = write!(text, "\n{{\"frame\":{number},\"clip_from_world\":[");
     join(text, matrix.into_iter(), |t, x| float(t, f64::from(x)));
     text.push_str("],\"strokes\":[");
-    join(text, frame.strokes.iter(), stroke);
+    join(text, frame.strokes.iter().chain(&frame.hidden), stroke);
     text.push_str("]}");
 }
 

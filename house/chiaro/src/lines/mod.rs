@@ -15,6 +15,7 @@ use crate::record::Record;
 use crate::write;
 use chiaro_basis::{Error, Knobs, Result, Run};
 use chiaro_image::codec;
+use chiaro_ink::Sheet;
 use chiaro_lines::{Film, LinesKnobs, Reel, View};
 use chiaro_scene::Frame;
 use serde_json::{Map, Value, json};
@@ -30,6 +31,10 @@ pub struct Job<'a> {
     pub knobs: &'a LinesKnobs,
     /// Ink and background.
     pub colours: Colours,
+    /// The paper that SVG files are drawn on.
+    pub sheet: Sheet,
+    /// The pen's width in millimetres, for SVG; `None`: the strokes' own.
+    pub pen: Option<f64>,
     /// Where the lines go.
     pub target: Target,
 }
@@ -168,9 +173,8 @@ impl Job<'_> {
         let recipe = self.recipe(&shot.camera, number);
         run.stage("draw", 1, || match encoding {
             Encoding::Json => Ok(document::document(shot, &[number]).into_bytes()),
-            Encoding::Svg => {
-                Ok(svg::svg(shot, number, self.knobs, &self.colours, &recipe).into_bytes())
-            }
+            Encoding::Svg => Ok(svg::svg(shot, number, self, recipe)?.into_bytes()),
+
             Encoding::Png => {
                 let picture = picture::picture(shot, number, self.knobs, &self.colours);
                 codec::write_png_rgba(&picture, Some(&recipe))
@@ -182,6 +186,9 @@ impl Job<'_> {
         let mut s = camera.settings(self.project);
         let colours = json!({ "ink": self.colours.ink, "background": self.colours.background });
         s.insert("colours".into(), colours);
+        let (paper, turns, margin) = (self.sheet.paper, self.sheet.turns, self.sheet.margin);
+        let sheet = json!({ "paper": paper, "turns": turns, "margin": margin, "pen": self.pen });
+        s.insert("sheet".into(), sheet);
         for (knob, value) in self.knobs.values() {
             s.insert(knob.name.into(), crate::binary::json_of(&value));
         }

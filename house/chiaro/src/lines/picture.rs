@@ -15,7 +15,8 @@ pub(super) fn picture(
     colours: &Colours,
 ) -> Plane<[u8; 4]> {
     let frame = frame(shot, number);
-    let lines: Vec<Polyline> = frame.strokes.iter().map(polyline).collect();
+    let mut lines: Vec<Polyline> = frame.strokes.iter().map(polyline).collect();
+    lines.extend(frame.hidden.iter().flat_map(|s| dashes(s, knobs.dash)));
     let cover = draw(&lines, shot.camera.size, knobs.width);
     cover.map(|c| over(colours, *c))
 }
@@ -30,6 +31,36 @@ pub(super) fn frame(shot: &Shot, number: u32) -> &FilmFrame {
 pub(super) fn polyline(stroke: &Stroke) -> Polyline {
     let points = stroke.samples.iter().map(|s| s.at.as_vec2().to_array()).collect();
     Polyline { points, closed: stroke.closed }
+}
+
+/// A stroke's dashes: as long as the gaps between them.
+pub(super) fn dashes(stroke: &Stroke, dash: f32) -> Vec<Polyline> {
+    let dash = f64::from(dash);
+    let mut points: Vec<[f32; 2]> = polyline(stroke).points;
+    if let (true, Some(first)) = (stroke.closed, points.first().copied()) {
+        points.push(first);
+    }
+    let mut dashes = Vec::new();
+    let mut start = 0.0;
+    while start < stroke.total() {
+        let end = (start + dash).min(stroke.total());
+        let inner =
+            (0..points.len()).filter(|&i| stroke.length[i] > start && stroke.length[i] < end);
+        let mut line = vec![along(stroke, &points, start)];
+        line.extend(inner.map(|i| points[i]));
+        line.push(along(stroke, &points, end));
+        dashes.push(Polyline { points: line, closed: false });
+        start += 2.0 * dash;
+    }
+    dashes
+}
+
+/// The point at a length along a stroke.
+fn along(stroke: &Stroke, points: &[[f32; 2]], length: f64) -> [f32; 2] {
+    let i = stroke.length.partition_point(|l| *l <= length).clamp(1, points.len() - 1);
+    let (from, to) = (stroke.length[i - 1], stroke.length[i]);
+    let t = if to > from { ((length - from) / (to - from)).clamp(0.0, 1.0) as f32 } else { 0.0 };
+    std::array::from_fn(|k| points[i - 1][k] + (points[i][k] - points[i - 1][k]) * t)
 }
 
 fn over(colours: &Colours, cover: f32) -> [u8; 4] {

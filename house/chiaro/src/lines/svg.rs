@@ -1,73 +1,79 @@
 //! Lines as SVG in millimetres: one layer a line type, one path a stroke, closed ones closed.
+//!
+//! A path's name is the stroke's type and id; parts of one line in one frame get a second number.
 
-use super::{Shot, picture};
-use crate::binary::Colours;
-use chiaro_lines::{Kind, LinesKnobs, Stroke};
-use std::fmt::Write;
+use super::picture::{dashes, frame, polyline};
+use super::{Job, Shot};
+use chiaro_basis::Result;
+use chiaro_ink::{Drawing, Layer, Mark, Path, Placement, Point, Polyline, simplified};
+use chiaro_lines::{Kind, Stroke};
+use std::collections::BTreeMap;
 
-/// Millimetres of a pixel where no paper is chosen: 96 to an inch.
-const PIXEL: f64 = 25.4 / 96.0;
+/// Points that stray less than this from the line are left out, in millimetres.
+const TOLERANCE: f64 = 0.02;
 
-pub(super) fn svg(
-    shot: &Shot,
-    number: u32,
-    knobs: &LinesKnobs,
-    colours: &Colours,
-    recipe: &str,
-) -> String {
-    let frame = picture::frame(shot, number);
-    let (w, h) = (shot.camera.size.0 as f64 * PIXEL, shot.camera.size.1 as f64 * PIXEL);
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" \
-         xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" \
-         width=\"{w:.3}mm\" height=\"{h:.3}mm\" viewBox=\"0 0 {w:.3} {h:.3}\">\n\
-         <metadata>{}</metadata>\n",
-        recipe.replace('&', "&amp;").replace('<', "&lt;")
-    );
-    if colours.background[3] > 0.0 && colours.background != [1.0; 4] {
-        let _ = writeln!(
-            text,
-            "<rect width=\"{w:.3}\" height=\"{h:.3}\" fill=\"{}\"/>",
-            hex(colours.background)
-        );
+pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Result<String> {
+    let placement = job.sheet.place(shot.camera.size)?;
+    let frame = frame(shot, number);
+    let background = job.colours.background;
+    let mut drawing = Drawing {
+        page: placement.page,
+        title: format!("{}, frame {number}", job.project.file_name()),
+        recipe: Some(recipe),
+        background: (background[3] > 0.0 && background != [1.0; 4]).then_some(background),
+        layers: Vec::new(),
+    };
+    let pen = Pen { job, placement: &placement };
+    for kind in Kind::ALL {
+        drawing.layers.extend(pen.layer(kind.name(), &frame.strokes, kind, ""));
     }
     for kind in Kind::ALL {
-        let strokes: Vec<&Stroke> = frame.strokes.iter().filter(|s| s.kind == kind).collect();
-        if !strokes.is_empty() {
-            layer(&mut text, kind, &strokes, knobs, colours);
-        }
+        let name = format!("hidden {}", kind.name());
+        drawing.layers.extend(pen.layer(&name, &frame.hidden, kind, "hidden-"));
     }
-    text += "</svg>\n";
-    text
+    Ok(drawing.to_svg())
 }
 
-fn layer(
-    text: &mut String,
-    kind: Kind,
-    strokes: &[&Stroke],
-    knobs: &LinesKnobs,
-    colours: &Colours,
-) {
-    let _ = writeln!(
-        text,
-        "<g id=\"{0}\" inkscape:groupmode=\"layer\" inkscape:label=\"{0}\" fill=\"none\" \
-         stroke=\"{1}\" stroke-width=\"{2:.3}\" stroke-linecap=\"round\" stroke-linejoin=\"round\">",
-        kind.name(),
-        hex(colours.ink),
-        f64::from(knobs.width) * PIXEL
-    );
-    for stroke in strokes {
-        let _ = write!(text, "<path id=\"{}-{}\" d=\"", kind.name(), stroke.id);
-        for (i, s) in stroke.samples.iter().enumerate() {
-            let command = if i == 0 { "M" } else { "L" };
-            let _ = write!(text, "{command}{:.3} {:.3}", s.at.x * PIXEL, s.at.y * PIXEL);
-        }
-        *text += if stroke.closed { "Z\"/>\n" } else { "\"/>\n" };
-    }
-    *text += "</g>\n";
+struct Pen<'a> {
+    job: &'a Job<'a>,
+    placement: &'a Placement,
 }
 
-fn hex(c: [f32; 4]) -> String {
-    let byte = |x: f32| (x * 255.0).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", byte(c[0]), byte(c[1]), byte(c[2]))
+impl Pen<'_> {
+    fn layer(&self, name: &str, strokes: &[Stroke], kind: Kind, prefix: &str) -> Option<Layer> {
+        let mut parts: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut marks = Vec::new();
+        for stroke in strokes.iter().filter(|s| s.kind == kind) {
+            let lines = match stroke.visible {
+                true => vec![polyline(stroke)],
+                false => dashes(stroke, self.job.knobs.dash),
+            };
+            for line in lines {
+                let part = parts.entry(stroke.id).or_insert(0);
+                *part += 1;
+                let name = match *part {
+                    1 => format!("{prefix}{}-{}", kind.name(), stroke.id),
+                    n => format!("{prefix}{}-{}-{n}", kind.name(), stroke.id),
+                };
+                marks.extend(self.mark(name, &line));
+            }
+        }
+        (!marks.is_empty()).then(|| Layer { name: name.into(), marks })
+    }
+
+    fn mark(&self, name: String, line: &Polyline) -> Option<Mark> {
+        let on_page = |p: &[f32; 2]| self.placement.at(p.map(f64::from));
+        let mut points: Vec<Point> = line.points.iter().map(on_page).collect();
+        if line.closed {
+            points.push(*points.first()?);
+        }
+        let mut points = simplified(&points, TOLERANCE);
+        if line.closed {
+            points.pop();
+        }
+        let path = Path::through(&points, line.closed)?;
+        let own = f64::from(self.job.knobs.width) * self.placement.scale;
+        let width = self.job.pen.unwrap_or(own);
+        Some(Mark::Named { name, path, width, colour: self.job.colours.ink })
+    }
 }
