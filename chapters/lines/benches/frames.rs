@@ -15,18 +15,24 @@ use std::time::Instant;
 
 /// Sums the seconds of each stage.
 #[derive(Default)]
-struct Clock(Mutex<(BTreeMap<&'static str, f64>, Vec<(&'static str, Instant)>)>);
+struct Clock(Mutex<Times>);
+
+#[derive(Default)]
+struct Times {
+    seconds: BTreeMap<&'static str, f64>,
+    running: Vec<(&'static str, Instant)>,
+}
 
 impl Observer for Clock {
     fn begin(&self, stage: &'static str, _items: u64) {
         let mut state = self.0.lock().expect("nobody panics with the clock");
-        state.1.push((stage, Instant::now()));
+        state.running.push((stage, Instant::now()));
     }
 
     fn end(&self, stage: &'static str) {
         let mut state = self.0.lock().expect("nobody panics with the clock");
-        if let Some((_, start)) = state.1.pop() {
-            *state.0.entry(stage).or_insert(0.0) += start.elapsed().as_secs_f64();
+        if let Some((_, start)) = state.running.pop() {
+            *state.seconds.entry(stage).or_insert(0.0) += start.elapsed().as_secs_f64();
         }
     }
 }
@@ -66,7 +72,7 @@ fn film(name: &str, frames: usize) {
         "{name}: {triangles} triangles, {frames} frames, {} threads",
         rayon::current_num_threads()
     );
-    for (stage, seconds) in &clock.0.lock().expect("nobody panics with the clock").0 {
+    for (stage, seconds) in &clock.0.lock().expect("nobody panics with the clock").seconds {
         println!("  {stage:<8} {:.2} ms a frame", 1e3 * seconds / frames as f64);
     }
     for (measure, value) in measure(&film).named() {

@@ -13,6 +13,7 @@ use crate::posed::Posed;
 use crate::slice::{Chain, Crossing, Slice};
 use crate::surface::{Crease, NONE, Ring, Surface, previous};
 use crate::view::View;
+use crate::zeroset::ZeroSet;
 use chiaro_basis::math::DVec3;
 
 /// Share of the sag of a one-ring by which points are pushed out.
@@ -40,6 +41,27 @@ impl Scenery<'_> {
         let mut sags = Sags::new(self);
         let chains = slice.chains.iter().enumerate();
         chains.map(|(i, chain)| self.silhouette(i as u32, chain, slice, g, &mut sags)).collect()
+    }
+
+    /// The paths of another zero set; what is not kept of it is never visible.
+    pub(crate) fn trimmed(&self, set: &ZeroSet) -> Vec<Path> {
+        let mut sags = Sags::new(self);
+        let path = |(i, chain): (usize, &Chain)| {
+            let crossings = chain.of(&set.slice);
+            let around = crossings.iter().take(usize::from(chain.closed));
+            let all = crossings.iter().chain(around).enumerate();
+            let points: Vec<Point> =
+                all.map(|(k, c)| self.crossing(c, k as f64, &mut sags)).collect();
+            let start = chain.start as usize;
+            let segment = |(k, c): (usize, &Crossing)| Segment {
+                own: [c.face, NONE],
+                buried: !set.keep[start + k],
+                outside: false,
+            };
+            let segments: Vec<Segment> = crossings.iter().enumerate().map(segment).collect();
+            Path::new(set.kind, i as u32, chain.closed, &points, &segments, self.view, self.margin)
+        };
+        set.slice.chains.iter().enumerate().map(path).collect()
     }
 
     fn silhouette(

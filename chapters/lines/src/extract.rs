@@ -11,6 +11,7 @@ use crate::stroke::Stroke;
 use crate::surface::Surface;
 use crate::view::View;
 use crate::visibility::{Limits, Run, Visible, hidden, visible};
+use crate::zeroset::zero_sets;
 use chiaro_basis::math::DVec3;
 
 /// What the frames of a shot share.
@@ -40,6 +41,8 @@ pub struct Lines {
     pub g: Vec<f64>,
     /// Its zero set: all silhouettes, hidden ones too.
     pub slice: Slice,
+    /// Zero sets of further line types.
+    pub further: Vec<(Kind, Slice)>,
     /// All lines of all kinds, hidden ones too.
     pub paths: Vec<Path>,
     /// What is seen of them.
@@ -69,6 +72,9 @@ impl Lines {
         let slice = Slice::of(surface, &g);
         let mut paths = features.paths(&scenery, &g);
         paths.extend(scenery.silhouettes(&slice, &g));
+        let sets = zero_sets(&scenery, &g, knobs);
+        paths.extend(sets.iter().flat_map(|set| scenery.trimmed(set)));
+        let further = sets.into_iter().map(|s| (s.kind, s.slice)).collect();
         paths.retain(|p| p.total() > 0.0);
         let sight = Sight::new(surface, moment.posed, view, |face, front| {
             let source = &surface.sources[face];
@@ -78,7 +84,7 @@ impl Lines {
         let visible = visible(&paths, &sight, view, &limits);
         let (strokes, runs) = strokes(&paths, &visible, knobs, moment);
         let hidden = hidden_strokes(&paths, &visible, knobs, moment);
-        Self { g, slice, paths, visible, strokes, hidden, runs }
+        Self { g, slice, further, paths, visible, strokes, hidden, runs }
     }
 }
 
@@ -130,5 +136,7 @@ fn is_drawn(kind: Kind, knobs: &LinesKnobs) -> bool {
         Kind::Crease => knobs.crease,
         Kind::Border => knobs.border,
         Kind::Material => knobs.material,
+        // The others are not even looked for unless they are drawn.
+        _ => true,
     }
 }

@@ -18,6 +18,7 @@ use crate::stroke::Stroke;
 use crate::surface::{CreaseRule, NONE, Surface};
 use crate::track::{EventKind, Identity, Interval, Kinetic, Order, Strands};
 use crate::view::View;
+use crate::zeroset::by_edges;
 use chiaro_basis::math::{DVec2, DVec3};
 use chiaro_basis::{Result, Run};
 use chiaro_scene::{Frame, Scene};
@@ -198,6 +199,7 @@ struct Last {
     g: Vec<f64>,
     positions: Vec<DVec3>,
     view: View,
+    further: Vec<Slice>,
 }
 
 impl<'a> Tracking<'a> {
@@ -257,8 +259,12 @@ impl<'a> Tracking<'a> {
             hidden: lines.hidden,
             stretches,
         });
-        self.last =
-            Some(Last { g: lines.g, positions: ready.posed.positions.clone(), view: ready.view });
+        self.last = Some(Last {
+            g: lines.g,
+            positions: ready.posed.positions.clone(),
+            view: ready.view,
+            further: lines.further.into_iter().map(|f| f.1).collect(),
+        });
     }
 
     fn fresh_labels(&mut self, count: usize) -> Vec<u32> {
@@ -307,12 +313,20 @@ impl<'a> Tracking<'a> {
         begins: bool,
         interval: Option<&Interval>,
     ) {
-        let (silhouettes, edges) = strands(lines, self.fixed.map(|g| &g.features));
-        let forward = interval.map(|i| in_parts(&i.forward));
-        let same: Vec<u32> = (0..edges.stroke.len() as u32).collect();
-        let stay = (!begins).then_some(same.as_slice());
-        let families = [(&silhouettes, forward.as_deref()), (&edges, stay)];
-        let chain = |s: &Stroke| 2 * s.chain + u32::from(s.kind == Kind::Silhouette);
+        let strands = strands(lines, self.fixed.map(|g| &g.features));
+        let mut forward: Vec<Option<Vec<u32>>> = vec![interval.map(|i| in_parts(&i.forward))];
+        // Edges stay where they are.
+        forward.push((!begins).then(|| (0..strands[1].stroke.len() as u32).collect()));
+        for (i, (_, slice)) in lines.further.iter().enumerate() {
+            let before = self.last.as_ref().and_then(|l| l.further.get(i)).filter(|_| !begins);
+            let pair = before.zip(self.fixed);
+            let follow = |(b, g): (&Slice, &Ground)| in_parts(&by_edges(&g.surface, b, slice));
+            forward.push(pair.map(follow));
+        }
+        let families: Vec<(&Strands, Option<&[u32]>)> =
+            strands.iter().zip(&forward).map(|(s, f)| (s, f.as_deref())).collect();
+        let kind = |s: &Stroke| Kind::ALL.iter().position(|k| *k == s.kind).unwrap_or(0);
+        let chain = |s: &Stroke| s.chain * Kind::ALL.len() as u32 + kind(s) as u32;
         let chains: Vec<u32> = lines.strokes.iter().map(chain).collect();
         self.identity.advance(&chains, &families);
         if let (None, Some(before), false) = (self.fixed, self.film.frames.last(), begins) {
@@ -415,8 +429,8 @@ fn taking_part(event: &FilmEvent, frames: &[FilmFrame]) -> Vec<u32> {
 /// Parts of an element that remember on their own: long edges show in pieces.
 const PARTS: usize = 6;
 
-/// The elements of a frame's silhouettes and of its edge lines.
-fn strands(lines: &Lines, features: Option<&Features>) -> (Strands, Strands) {
+/// The elements of a frame's silhouettes, of its edge lines, and of each further zero set.
+fn strands(lines: &Lines, features: Option<&Features>) -> Vec<Strands> {
     let starts = |counts: &mut dyn Iterator<Item = usize>| {
         let mut total = 0;
         let mut starts: Vec<u32> = counts
@@ -432,15 +446,23 @@ fn strands(lines: &Lines, features: Option<&Features>) -> (Strands, Strands) {
     let silhouettes = Strands::empty(starts(&mut chains.map(|c| c.count as usize)));
     let halves = features.into_iter().flat_map(|f| &f.chains);
     let edges = Strands::empty(starts(&mut halves.map(|c| c.halves.len())));
-    let mut families = [silhouettes, edges];
+    let mut families = vec![silhouettes, edges];
+    for (_, slice) in &lines.further {
+        let chains = slice.chains.iter();
+        families.push(Strands::empty(starts(&mut chains.map(|c| c.count as usize))));
+    }
     for (i, path) in lines.paths.iter().enumerate() {
-        let family = usize::from(path.kind != Kind::Silhouette);
-        if family == 0 || features.is_some() {
+        let further = || lines.further.iter().position(|f| f.0 == path.kind).map(|i| i + 2);
+        let family = match path.kind {
+            Kind::Silhouette => Some(0),
+            kind if kind.is_edge() => features.map(|_| 1),
+            _ => further(),
+        };
+        if let Some(family) = family {
             cover(&mut families[family], path, i, lines);
         }
     }
-    let [silhouettes, edges] = families;
-    (silhouettes, edges)
+    families
 }
 
 /// Writes down which strokes show the elements of a path.

@@ -23,6 +23,18 @@ knobs! {
         crease: bool = true, Switch, "", "", "sharp edges";
         border: bool = true, Switch, "", "", "where a surface ends";
         material: bool = true, Switch, "", "", "borders between materials";
+        suggestive: bool = false, Switch, "", "", "suggestive contours";
+        ridge: bool = false, Switch, "", "", "ridges";
+        valley: bool = false, Switch, "", "", "valleys";
+        apparent_ridge: bool = false, Switch, "", "", "apparent ridges";
+        terminator: bool = false, Switch, "", "", "shadow lines of a light";
+
+        suggestive_strength: f32 = 6.0, Number { min: 0.0, max: 1e4 }, "D_w k_r", "1/R^2", "least rise of the radial curvature at suggestive contours";
+        ridge_strength: f32 = 8.0, Number { min: 0.0, max: 1e4 }, "k", "1/R", "least curvature of ridges and valleys";
+        apparent_strength: f32 = 8.0, Number { min: 0.0, max: 1e4 }, "q_1", "1/R", "least view-dependent curvature of apparent ridges";
+        smooth_curvature: u32 = 3, Count { min: 0, max: 20 }, "", "passes", "one-ring means of the curvature";
+        light_azimuth: f32 = -50.0, Number { min: -180.0, max: 180.0 }, "", "degrees", "where the terminator's light is, right of the viewer";
+        light_elevation: f32 = 35.0, Number { min: -90.0, max: 90.0 }, "", "degrees", "how high the terminator's light is";
 
         crease_angle: f32 = 40.0, Number { min: 1.0, max: 180.0 }, "", "degrees", "least bend of a sharp edge that the file shades hard";
         smooth_crease_angle: f32 = 75.0, Number { min: 1.0, max: 180.0 }, "", "degrees", "least bend of a sharp edge that the file shades smooth";

@@ -1,6 +1,7 @@
 //! Animated lines (thesis, chapter 4): every silhouette, crease and border of a film, with identity.
 
 pub mod contour;
+mod curvature;
 mod extract;
 mod feature;
 mod film;
@@ -16,6 +17,7 @@ pub mod track;
 mod view;
 mod visibility;
 mod vote;
+mod zeroset;
 
 pub use extract::{Lines, Moment, Stage};
 pub use feature::{FeatureChain, Features};

@@ -15,11 +15,31 @@ pub enum Kind {
     Border,
     /// Between two materials.
     Material,
+    /// Where a silhouette would appear if the view turned a little.
+    Suggestive,
+    /// Where the surface is bent outwards most.
+    Ridge,
+    /// Where the surface is bent inwards most.
+    Valley,
+    /// Where the surface is bent most as the picture shows it.
+    ApparentRidge,
+    /// Where the surface turns away from a light.
+    Terminator,
 }
 
 impl Kind {
     /// All kinds, in the order in which they are drawn.
-    pub const ALL: [Self; 4] = [Self::Material, Self::Crease, Self::Border, Self::Silhouette];
+    pub const ALL: [Self; 9] = [
+        Self::Terminator,
+        Self::Suggestive,
+        Self::ApparentRidge,
+        Self::Valley,
+        Self::Ridge,
+        Self::Material,
+        Self::Crease,
+        Self::Border,
+        Self::Silhouette,
+    ];
 
     /// Its name in files.
     pub fn name(self) -> &'static str {
@@ -28,7 +48,17 @@ impl Kind {
             Self::Crease => "crease",
             Self::Border => "border",
             Self::Material => "material",
+            Self::Suggestive => "suggestive",
+            Self::Ridge => "ridge",
+            Self::Valley => "valley",
+            Self::ApparentRidge => "apparent-ridge",
+            Self::Terminator => "terminator",
         }
+    }
+
+    /// Whether it is made of edges of the surface.
+    pub fn is_edge(self) -> bool {
+        matches!(self, Self::Crease | Self::Border | Self::Material)
     }
 
     /// Whether such a line can stand in front of another.

@@ -68,6 +68,55 @@ impl Slice {
         slice
     }
 
+    /// The chains of crossings that `at` finds on single edges, joined through faces with exactly
+    /// two of them.
+    pub fn of_edges(surface: &Surface, at: impl Fn(u32) -> Option<f64>) -> Self {
+        let found: Vec<Option<f64>> = (0..surface.half.len() as u32).map(at).collect();
+        let mut slice = Self::default();
+        let mut done = vec![false; found.len()];
+        for ends in [true, false] {
+            for edge in 0..found.len() as u32 {
+                let faces = joining(surface, &found, edge);
+                if found[edge as usize].is_some()
+                    && !done[edge as usize]
+                    && (!ends || faces.len() < 2)
+                {
+                    slice.loose_chain(surface, &found, edge, &mut done);
+                }
+            }
+        }
+        slice
+    }
+
+    fn loose_chain(
+        &mut self,
+        surface: &Surface,
+        found: &[Option<f64>],
+        first: u32,
+        done: &mut [bool],
+    ) {
+        let start = self.crossings.len() as u32;
+        let (mut edge, mut behind) = (first, NONE);
+        let closed = loop {
+            done[edge as usize] = true;
+            let at = found[edge as usize].unwrap_or(0.5);
+            let ahead = joining(surface, found, edge).into_iter().find(|f| *f != behind);
+            self.crossings.push(Crossing { edge, at, face: ahead.unwrap_or(NONE) });
+            let Some(face) = ahead else { break false };
+            let others = (3 * face..3 * face + 3).map(|h| surface.edge[h as usize]);
+            let next = others.filter(|e| *e != edge).find(|e| found[*e as usize].is_some());
+            match next {
+                Some(next) if !done[next as usize] => (edge, behind) = (next, face),
+                Some(next) => break next == first,
+                None => break false,
+            }
+        };
+        if !closed && let Some(last) = self.crossings.last_mut() {
+            last.face = NONE;
+        }
+        self.chains.push(Chain { start, count: self.crossings.len() as u32 - start, closed });
+    }
+
     fn chain(
         &mut self,
         surface: &Surface,
@@ -104,6 +153,17 @@ impl Slice {
         let count = self.crossings.len() as u32 - start;
         self.chains.push(Chain { start, count, closed });
     }
+}
+
+/// The faces beside an edge with exactly two crossings.
+fn joining(surface: &Surface, found: &[Option<f64>], edge: u32) -> Vec<u32> {
+    let half = surface.half[edge as usize];
+    let faces = [half, surface.mate[half as usize]].into_iter().filter(|h| *h != NONE);
+    let crossings = |face: u32| {
+        let edges = (3 * face..3 * face + 3).map(|h| surface.edge[h as usize]);
+        edges.filter(|e| found[*e as usize].is_some()).count()
+    };
+    faces.map(|h| h / 3).filter(|f| crossings(*f) == 2).collect()
 }
 
 /// Half-edges by which a chain enters a face: from positive to negative; rising.
