@@ -206,13 +206,15 @@ impl MaxFlow {
     fn graph(&self) -> Graph {
         let mut graph = Graph::new(self.nodes as usize);
         let mut sums = vec![[0i128; 2]; self.nodes as usize];
+        let mut pairing = Pairing::default();
         for &(from, to, capacity) in &self.arcs {
             match self.role([from, to]) {
                 Role::White => sums[to as usize][0] += i128::from(capacity),
                 Role::Black => sums[from as usize][1] += i128::from(capacity),
-                Role::Inner => {
-                    graph.edges.push(Edge { ends: [from, to], forth: capacity, back: 0 })
-                }
+                Role::Inner => match (pairing.next([from, to]), graph.edges.last_mut()) {
+                    (Way::Back, Some(edge)) => edge.back = capacity,
+                    _ => graph.edges.push(Edge { ends: [from, to], forth: capacity, back: 0 }),
+                },
                 Role::Direct | Role::None => {}
             }
         }
@@ -279,6 +281,8 @@ impl MaxFlow {
     fn arc_flow(&self, cut: &GraphCut) -> Vec<i64> {
         let mut left = cut.terminal_flow.clone();
         let mut inner = cut.edge_flow.iter();
+        let mut edge = 0;
+        let mut pairing = Pairing::default();
         let mut serve = |v: u32, side: usize, capacity: i64| {
             let flow = left[v as usize][side].min(capacity);
             left[v as usize][side] -= flow;
@@ -288,7 +292,13 @@ impl MaxFlow {
             Role::White => serve(to, 0, capacity),
             Role::Black => serve(from, 1, capacity),
             Role::Direct => capacity,
-            Role::Inner => *inner.next().expect("an inner arc is an edge"),
+            Role::Inner => match pairing.next([from, to]) {
+                Way::Forth => {
+                    edge = *inner.next().expect("an inner arc is half an edge at least");
+                    edge.max(0)
+                }
+                Way::Back => (-edge).max(0),
+            },
             Role::None => 0,
         };
         self.arcs.iter().map(flow).collect()
@@ -352,4 +362,31 @@ enum Role {
     Inner,
     /// Of no use to any flow.
     None,
+}
+
+/// Which way along its edge an inner arc goes.
+enum Way {
+    /// Along an edge of its own.
+    Forth,
+    /// Back along the edge of the inner arc before it.
+    Back,
+}
+
+/// Makes one edge of two inner arcs that follow each other and lead there and back.
+#[derive(Default)]
+struct Pairing {
+    /// The last arc, if it has no partner.
+    single: Option<[u32; 2]>,
+}
+
+impl Pairing {
+    fn next(&mut self, [from, to]: [u32; 2]) -> Way {
+        if self.single == Some([to, from]) {
+            self.single = None;
+            Way::Back
+        } else {
+            self.single = Some([from, to]);
+            Way::Forth
+        }
+    }
 }
