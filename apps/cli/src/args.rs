@@ -75,12 +75,15 @@ pub(crate) enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Measure how two pictures differ: PSNR, RMSE, changed pixels.
+    /// Measure how two pictures differ, or how much two films flicker along the motion.
     Compare {
-        /// The picture to judge (PNG, JPEG or EXR).
+        /// The picture to judge (PNG, JPEG or EXR), or a film: a folder, or a pattern with #.
         a: PathBuf,
-        /// The picture to judge it by.
+        /// The picture to judge it by, or the other film.
         b: PathBuf,
+        /// For films: EXR files with motion and depth, as `chiaro gbuffer` writes them.
+        #[arg(long, value_name = "FILES")]
+        motion: Option<PathBuf>,
         #[command(flatten)]
         common: Common,
     },
@@ -100,8 +103,11 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 3.4, 3.5, 3.6, 3.7, 3.8, 3.10; none means all.
+        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, baselines, flicker; none means all but the last.
         names: Vec<String>,
+        /// A scene for baselines and flicker, which lay methods side by side; may be repeated.
+        #[arg(long = "scene", value_name = "SCENE")]
+        scenes: Vec<String>,
         /// Folder for the sheets and index.html.
         #[arg(short, long, default_value = "chiaro-figures")]
         output: PathBuf,

@@ -6,7 +6,7 @@ use chiaro::film::Target;
 use chiaro::project::Project;
 use chiaro::record::Record;
 use chiaro::style::{self, Style};
-use chiaro::{compare, demo, figures, gbuffer, info, lines, mincut};
+use chiaro::{compare, compare_films, demo, figures, gbuffer, info, lines, mincut};
 use chiaro_basis::{Error, Knobs, Result, Run};
 use chiaro_image::colour::parse_colour;
 use chiaro_ink::{Sheet, length};
@@ -61,11 +61,23 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let (project, knobs) = (&project, &knobs);
             lines::Job { project, knobs, colours, sheet, pen, target }.run(run).map(Some)
         }
-        Command::Compare { a, b, .. } => compare::compare(a, b, run).map(Some),
+        Command::Compare { a, b, motion, .. } => {
+            match (motion, [a, b].into_iter().find(|p| compare_films::is_film(p))) {
+                (Some(motion), _) => compare_films::compare_films(a, b, motion, run).map(Some),
+                (None, Some(film)) => Err(Error::setting(
+                    "--motion",
+                    film.display(),
+                    "films are compared along their motion: name the files of chiaro gbuffer",
+                )),
+                (None, None) => compare::compare(a, b, run).map(Some),
+            }
+        }
         Command::Mincut { file, output, verify, .. } => {
             mincut::Job { file, output: output.clone(), verify: *verify }.run(run).map(Some)
         }
-        Command::Figures { names, output, .. } => figures::figures(names, output, run).map(Some),
+        Command::Figures { names, scenes, output, .. } => {
+            figures::figures(names, scenes, output, run).map(Some)
+        }
         Command::Style { action: StyleAction::List { output, .. } } => list_styles(output, run),
         Command::Style { action: StyleAction::Show { name } } => {
             print(Style::find(name)?.to_toml().as_bytes())
@@ -119,7 +131,7 @@ fn paper(marks: &MarksArgs) -> Result<(Sheet, Option<f64>)> {
 fn list_styles(output: &Option<std::path::PathBuf>, run: &Run) -> Result<Option<Record>> {
     let mut text = String::new();
     for style in Style::all()? {
-        text += &format!("{:<8} {}\n", style.name, style.description);
+        text += &format!("{:<13} {}\n", style.name, style.description);
     }
     print(text.as_bytes())?;
     match output {

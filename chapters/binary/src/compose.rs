@@ -15,9 +15,9 @@ pub struct Marks {
     pub opacity: Plane<f32>,
 }
 
-/// Smooths the borders of the regions and draws the lines over them.
+/// Draws lines over regions, of which `region` says how white each pixel is.
 pub fn compose(
-    white: &Plane<bool>,
+    region: &Plane<f32>,
     covered: &Plane<bool>,
     lines: &Lines,
     knobs: &BinaryKnobs,
@@ -25,18 +25,23 @@ pub fn compose(
     let size = covered.size();
     let sigma = scaled(knobs.smooth, size.1);
     let everywhere = Plane::filled(size.0, size.1, true);
-    let region = smooth_coverage(white, covered, sigma);
-    let object = smooth_coverage(covered, &everywhere, sigma);
-    let black_lines = draw(&lines.black, size, lines.width);
-    let white_lines = draw(&lines.white, size, lines.width);
-    let inked = Plane::from_fn(size.0, size.1, |x, y| {
-        let at = (x, y);
-        let with_white = region[at] + (1.0 - region[at]) * white_lines[at];
-        let value = with_white * (1.0 - black_lines[at]);
-        let opacity = object[at].max(black_lines[at]);
-        [value, opacity]
-    });
-    Marks { white: inked.map(|p| p[0]), opacity: inked.map(|p| p[1]) }
+    let (object, (black_lines, white_lines)) = rayon::join(
+        || smooth_coverage(covered, &everywhere, sigma),
+        || {
+            rayon::join(
+                || draw(&lines.black, size, lines.width),
+                || draw(&lines.white, size, lines.width),
+            )
+        },
+    );
+    let over = |a: &Plane<f32>, b: &Plane<f32>, f: fn(&f32, &f32) -> f32| {
+        a.zip(b, f).expect("all have the picture's size")
+    };
+    let with_white = over(region, &white_lines, |r, w| r + (1.0 - r) * w);
+    Marks {
+        white: over(&with_white, &black_lines, |w, b| w * (1.0 - b)),
+        opacity: over(&object, &black_lines, |o, b| o.max(*b)),
+    }
 }
 
 /// The same picture in one bit a pixel over white or black paper.

@@ -1,6 +1,5 @@
 //! From weights to labels: fixed-point capacities, the minimal cut, and its measures.
 
-use crate::geometry::EDGES;
 use crate::knob::{BinaryKnobs, REFERENCE_HEIGHT};
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
@@ -52,11 +51,11 @@ impl Graph {
         let terminal = difference
             .zip(mask, |d, m| {
                 // Beyond 4 a pixel is as good as bound.
-                let units = (d.clamp(-4.0, 4.0) * scale).round() as i32;
+                let units = nearest(d.clamp(-4.0, 4.0) * scale);
                 if *m { [units.max(0), (-units).max(0)] } else { [0, 0] }
             })
             .expect("weights have the picture's size");
-        let neighbour = factors.map(|f| std::array::from_fn(|e| (f[e] * along[e]).round() as i32));
+        let neighbour = factors.map(|f| std::array::from_fn(|e| nearest(f[e] * along[e])));
         Self { mask: mask.clone(), terminal, neighbour, scale }
     }
 
@@ -86,6 +85,11 @@ impl Graph {
     }
 }
 
+/// The nearest integer, halves away from zero, in a form that loops over pixels vectorize.
+fn nearest(x: f32) -> i32 {
+    (x + 0.5f32.copysign(x)) as i32
+}
+
 /// How much of the border runs on features.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Border {
@@ -97,28 +101,45 @@ pub struct Border {
     pub by_chance: f64,
 }
 
+/// Which horizontal and vertical pairs are features: their factor is under half of the largest.
+#[derive(Clone, Debug)]
+pub struct FeaturePairs(Plane<u8>);
+
+impl FeaturePairs {
+    /// The feature pairs of a picture's neighbour weights.
+    pub fn of(factors: &Plane<[f32; 4]>) -> Self {
+        let largest = factors.pixels().iter().map(|f| f[0].max(f[2])).fold(0.0, f32::max);
+        let weak = |f: f32| u8::from(f < 0.5 * largest);
+        Self(factors.map(|f| weak(f[0]) | weak(f[2]) << 1))
+    }
+}
+
 impl Border {
-    /// Counts horizontal and vertical pairs; a feature pair's factor is under half of the largest.
-    pub fn measure(white: &Plane<bool>, mask: &Plane<bool>, factors: &Plane<[f32; 4]>) -> Self {
-        let largest = factors.pixels().iter().flat_map(|f| [f[0], f[2]]).fold(0.0, f32::max);
-        let (mut all, mut features, mut border, mut both) = (0u64, 0u64, 0u64, 0u64);
-        for y in 0..mask.height() {
-            for x in 0..mask.width() {
-                for e in [0, 2] {
-                    let (u, v) = (x as isize + EDGES[e].0, y as isize + EDGES[e].1);
-                    if !mask[(x, y)] || mask.at(u, v) != Some(&true) {
+    /// Counts horizontal and vertical pairs.
+    pub fn measure(white: &Plane<bool>, mask: &Plane<bool>, features: &FeaturePairs) -> Self {
+        let (w, h) = mask.size();
+        let (mut all, mut on_features, mut border, mut both) = (0u64, 0u64, 0u64, 0u64);
+        for y in 0..h {
+            for x in 0..w {
+                for (bit, q) in [(1, (x + 1, y)), (2, (x, y + 1))] {
+                    if q.0 >= w || q.1 >= h || !mask[(x, y)] || !mask[q] {
                         continue;
                     }
-                    let feature = factors[(x, y)][e] < 0.5 * largest;
-                    let differs = white[(x, y)] != white[(u as usize, v as usize)];
+                    let feature = features.0[(x, y)] & bit != 0;
+                    let differs = white[(x, y)] != white[q];
                     all += 1;
-                    features += u64::from(feature);
+                    on_features += u64::from(feature);
                     border += u64::from(differs);
                     both += u64::from(feature && differs);
                 }
             }
         }
         let share = |a: u64, b: u64| if b == 0 { 0.0 } else { a as f64 / b as f64 };
-        Self { pairs: border, on_features: share(both, border), by_chance: share(features, all) }
+        Self { pairs: border, on_features: share(both, border), by_chance: share(on_features, all) }
+    }
+
+    /// The share on features beyond chance: (s - c) / (1 - c).
+    pub fn beyond_chance(&self) -> f64 {
+        (self.on_features - self.by_chance) / (1.0 - self.by_chance).max(1e-9)
     }
 }

@@ -20,11 +20,23 @@ pub struct Exposure {
     pub contrast: f32,
     /// Whether shadows are cast.
     pub shadows: bool,
+    /// What W - B passes from one tone to the next, in palettes of 3 tones, 4, and so on; ascending.
+    pub tone_steps: [[f32; MOST_STEPS]; MOST_STEPS - 1],
 }
+
+/// The most steps between tones: a palette has one tone more.
+pub const MOST_STEPS: usize = 7;
 
 impl Default for Exposure {
     fn default() -> Self {
-        Self { low: 0.0, high: 1.0, threshold: 0.5, contrast: 0.1, shadows: true }
+        Self {
+            low: 0.0,
+            high: 1.0,
+            threshold: 0.5,
+            contrast: 0.1,
+            shadows: true,
+            tone_steps: Default::default(),
+        }
     }
 }
 
@@ -76,9 +88,41 @@ impl Exposure {
         let stretched = tone.map(|&t| exposure.stretch(t));
         let (least, most) = (at(&stretched, 35.0), at(&stretched, 60.0));
         let otsu = statistics::otsu(&stretched, &covered);
-        exposure.threshold = otsu.clamp(least.unwrap_or(0.0), most.unwrap_or(1.0)) + knobs.darkness;
+        exposure.threshold =
+            otsu.clamp(least.unwrap_or(0.0), most.unwrap_or(1.0)) + knobs.threshold;
         exposure.contrast = contrast(samples, &exposure, knobs);
         exposure
+    }
+
+    /// What W - B passes between `tones` tones, from dark to light; one value less than tones.
+    pub fn steps(&self, tones: usize) -> &[f32] {
+        match tones {
+            0 | 1 => &[],
+            2 => &[0.0],
+            n => &self.tone_steps[n.min(MOST_STEPS + 1) - 3][..n.min(MOST_STEPS + 1) - 1],
+        }
+    }
+
+    /// Sets [`Exposure::steps`] for 3 tones or more.
+    pub fn set_steps(&mut self, tones: usize, steps: &[f32]) {
+        self.tone_steps[tones - 3][..tones - 1].copy_from_slice(steps);
+    }
+
+    /// Sets the steps of `tones` tones so that they hold like shares of the shot from dark to light,
+    /// bent so that half of them hold `black`: percentiles of W - B over the surveyed frames.
+    pub(crate) fn survey_steps(
+        &mut self,
+        tones: usize,
+        (difference, covered): &(Plane<f32>, Plane<bool>),
+        black: f32,
+    ) {
+        let bend = black.clamp(0.05, 0.95).ln() / 0.5f32.ln();
+        let step = |j: usize| {
+            let share = (j as f32 / tones as f32).powf(bend);
+            statistics::percentile(difference, covered, 100.0 * share).unwrap_or(0.0)
+        };
+        let steps: Vec<f32> = (1..tones).map(step).collect();
+        self.set_steps(tones, &steps);
     }
 
     /// A tone after levels, in [0, 1].
@@ -88,7 +132,7 @@ impl Exposure {
 }
 
 /// All samples in one plane, one below the other.
-fn strip(samples: &[Sample]) -> (Plane<f32>, Plane<bool>) {
+pub(crate) fn strip(samples: &[Sample]) -> (Plane<f32>, Plane<bool>) {
     let values: Vec<f32> = samples.iter().flat_map(|s| s.tone.pixels().iter().copied()).collect();
     let covered: Vec<bool> =
         samples.iter().flat_map(|s| s.covered.pixels().iter().copied()).collect();

@@ -44,6 +44,12 @@ choice! {
 knobs! {
     /// How a picture becomes black and white.
     pub struct BinaryKnobs {
+        darkness: f32 = 0.0, Number { min: -1.0, max: 1.0 }, "", "macro", "more black, or less";
+        detail: f32 = 0.0, Number { min: -1.0, max: 1.0 }, "", "macro", "more and smaller shapes, or fewer and larger ones";
+        contrast: f32 = 0.0, Number { min: -1.0, max: 1.0 }, "", "macro", "more local contrast, or more of the light as a whole";
+        features: f32 = 0.0, Number { min: -1.0, max: 1.0 }, "", "macro", "borders and lines keep more to ridges, creases and depth edges, or less";
+        line_weight: f32 = 0.0, Number { min: -1.0, max: 1.0 }, "", "macro", "thicker lines, or thinner ones";
+
         model: Model = Model::Tone, Choice(Model::WORDS), "(3.1)", "", "how terminal weights are made of channels";
 
         half: f32 = 0.5, Number { min: 0.0, max: 1.0 }, "", "", "share of half-shadowed diffuse light in the tone";
@@ -62,7 +68,7 @@ knobs! {
         local_radius: f32 = 16.0, Number { min: 0.5, max: 480.0 }, "h (3.3)", "px at 480", "neighbourhood of local contrast";
         low: f32 = 2.0, Number { min: 0.0, max: 49.0 }, "", "percent", "tones below this percentile are black";
         high: f32 = 98.0, Number { min: 51.0, max: 100.0 }, "", "percent", "tones above this percentile are white";
-        darkness: f32 = 0.0, Number { min: -0.5, max: 0.5 }, "", "", "added to the threshold between black and white";
+        threshold: f32 = 0.0, Number { min: -0.5, max: 0.5 }, "", "", "added to the threshold between black and white";
         black_min: f32 = 0.35, Number { min: 0.0, max: 1.0 }, "", "share", "least share of black, if it can be had by exposure";
         black_max: f32 = 0.60, Number { min: 0.0, max: 1.0 }, "", "share", "greatest share of black, if it can be had by exposure";
 
@@ -98,6 +104,10 @@ knobs! {
         island: f32 = 30.0, Number { min: 0.0, max: 100000.0 }, "", "px at 480", "smaller patches take the colour around them; 0 keeps all";
         smooth: f32 = 1.1, Number { min: 0.0, max: 10.0 }, "", "px at 480", "smoothing of borders after the cut";
 
+        palette: String = String::new(), Text, "", "", "colours: a number of tones, colours from dark to light, or spot: and colours; empty: ink and paper";
+        coherence: f32 = 0.33, Number { min: 0.0, max: 1.0 }, "", "N~", "films: how strongly frames hold on to each other; 0: each frame on its own";
+        window: u32 = 5, Count { min: 2, max: 9 }, "", "frames", "films: frames that are cut together; 3 is faster";
+
         lines: bool = true, Switch, "", "", "whether lines are drawn on top";
         line_width: f32 = 1.5, Number { min: 0.1, max: 50.0 }, "", "px at 480", "width of lines";
         line_depth: f32 = 0.015, Number { min: 1e-6, max: 100.0 }, "", "R", "depth step that draws a line";
@@ -113,6 +123,57 @@ knobs! {
         hatch_angle: f32 = 45.0, Number { min: -360.0, max: 360.0 }, "", "degrees", "direction of hatching for a pen, from the right downwards";
         hatch_spacing: f32 = 1.0, Number { min: 0.2, max: 100.0 }, "", "pens", "from one stroke of hatching to the next, for black";
         hatch_outline: bool = true, Switch, "", "", "whether hatched regions get an outline";
+    }
+}
+
+impl BinaryKnobs {
+    /// The knobs with their five macro controls worked into the weights; the macros are then 0.
+    pub fn resolved(&self) -> Self {
+        let mut k = self.clone();
+        let towards = |x: f32, end: f32, t: f32| x + (end - x) * t;
+        let both = |x: f32, low: f32, high: f32, t: f32| {
+            if t < 0.0 { towards(x, low, -t) } else { towards(x, high, t) }
+        };
+        let times = |x: &mut f32, octaves: f32| *x *= octaves.exp2();
+
+        k.black_min = both(k.black_min, 0.02, 0.85, self.darkness);
+        k.black_max = both(k.black_max, 0.08, 0.95, self.darkness).max(k.black_min);
+        k.threshold = (k.threshold + 0.2 * self.darkness).clamp(-0.5, 0.5);
+
+        times(&mut k.neighbour, -1.8 * self.detail);
+        times(&mut k.island, -2.5 * self.detail);
+        times(&mut k.smooth, -0.7 * self.detail);
+        times(&mut k.local_radius, -self.detail);
+        times(&mut k.line_shortest, -1.5 * self.detail);
+        times(&mut k.line_depth, -self.detail);
+
+        k.global = both(k.global, 1.0, 0.02, self.contrast);
+        for g in [&mut k.diffuse_g, &mut k.headlamp_g, &mut k.specular_g, &mut k.occlusion_g] {
+            *g = both(*g, 1.0, 0.02, self.contrast);
+        }
+
+        k.floor = both(k.floor, 1.0, 0.02, self.features);
+        times(&mut k.neighbour, 0.6 * self.features);
+        times(&mut k.curvature_falloff, -self.features);
+        times(&mut k.depth_falloff, -self.features);
+        k.line_crease = both(k.line_crease, 90.0, 20.0, self.features).min(k.line_crease.max(90.0));
+        times(&mut k.line_depth, -0.7 * self.features);
+
+        times(&mut k.line_width, 1.6 * self.line_weight);
+        (k.darkness, k.detail, k.contrast, k.features, k.line_weight) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        k
+    }
+
+    /// The knobs for a picture of so many tones: the more tones there are, the less local contrast
+    /// has to stand in for them.
+    pub fn for_tones(&self, tones: usize) -> Self {
+        let steps = tones.saturating_sub(1).max(1) as f32;
+        Self { global: 1.0 - (1.0 - self.global) / steps.powf(1.2), ..self.clone() }
+    }
+
+    /// The smallest area that a piece keeps, in pixels of a picture of this height.
+    pub fn island_area(&self, height: usize) -> f32 {
+        self.island * scaled(1.0, height).powi(2)
     }
 }
 

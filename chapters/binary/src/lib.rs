@@ -12,23 +12,33 @@
 //! 4. [`compose`]: regions and lines as one grey picture.
 
 mod appearance;
+mod baseline;
 mod compose;
 mod cut;
 mod exposure;
+mod film;
+mod flicker;
 mod geometry;
 mod island;
 mod knob;
 mod line;
+mod palette;
+mod rows;
 mod shade;
 mod terminal;
+mod window;
 
 pub use appearance::{Channel, Channels, Lit};
+pub use baseline::{Method, image_bonds};
 pub use compose::{Marks, compose, one_bit};
-pub use cut::{Border, Graph, Labels};
-pub use exposure::{Exposure, LEAST_REACH, Sample, local_contrast, mixed_tone};
+pub use cut::{Border, FeaturePairs, Graph, Labels};
+pub use exposure::{Exposure, LEAST_REACH, MOST_STEPS, Sample, local_contrast, mixed_tone};
+pub use film::{BLOCK, Cel, Done, Film, Plan};
+pub use flicker::{Flicker, REVERSAL, Shown};
 pub use geometry::{EDGES, angle, depth_step, neighbour_factors};
-pub use island::without_islands;
+pub use island::{without_islands, without_islands_of};
 pub use knob::{BinaryKnobs, CurvatureForm, DepthForm, Model, REFERENCE_HEIGHT, scaled};
-pub use line::Lines;
-pub use shade::{Steps, View, expose, shade};
+pub use line::{Features, Lines};
+pub use palette::{Coloured, Palette, colour_regions, is_light, tint};
+pub use shade::{Steps, View, Weights, expose, outline, shade, weigh};
 pub use terminal::terminal;

@@ -11,6 +11,8 @@ use chiaro_basis::math::Vec3;
 use chiaro_image::Plane;
 use chiaro_ink::{Cracks, Polyline};
 use chiaro_trace::GBuffer;
+use rayon::prelude::*;
+use std::f32::consts::PI;
 
 /// Lines to be drawn.
 #[derive(Clone, Debug, Default)]
@@ -32,45 +34,83 @@ impl Lines {
         paper_is_white: bool,
         knobs: &BinaryKnobs,
     ) -> Self {
+        let features = Features::find(buffer, knobs);
+        Self::between(&features, white, &buffer.covered, paper_is_white, knobs)
+    }
+
+    /// The lines that features draw between labels.
+    pub fn between(
+        features: &Features,
+        white: &Plane<bool>,
+        covered: &Plane<bool>,
+        paper_is_white: bool,
+        knobs: &BinaryKnobs,
+    ) -> Self {
         if !knobs.lines {
             return Self::default();
         }
-        let height = buffer.size().1;
-        let finder = Finder { buffer, white, paper_is_white, knobs };
-        let shortest = scaled(knobs.line_shortest, height);
-        let rounds = (2.0 * scaled(1.0, height)).ceil() as usize;
-        let lines = |side: bool| finder.cracks(side).polylines(shortest, rounds);
+        let (w, h) = covered.size();
+        let shortest = scaled(knobs.line_shortest, h);
+        let rounds = (2.0 * scaled(1.0, h)).ceil() as usize;
+        let label = |p: Pixel| if covered[p] { white[p] } else { paper_is_white };
+        let lines = |side: bool| {
+            let marked = |x: usize, y: usize, axis: usize| {
+                let q = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
+                let feature = features.marks[(x, y)] & (1 << axis) != 0;
+                feature && label((x, y)) == side && label(q) == side
+            };
+            Cracks::mark(w, h, marked).polylines(shortest, rounds)
+        };
         Self {
             black: if knobs.line_black { lines(true) } else { Vec::new() },
             white: if knobs.line_white { lines(false) } else { Vec::new() },
-            width: scaled(knobs.line_width, height),
+            width: scaled(knobs.line_width, h),
         }
+    }
+}
+
+/// Where lines may run, whatever the labels: between which pixels there is a depth step, a crease,
+/// a change of object, or the outline.
+#[derive(Clone, Debug, Default)]
+pub struct Features {
+    /// Bit 0: between a pixel and its right neighbour; bit 1: and its lower one.
+    pub marks: Plane<u8>,
+}
+
+impl Features {
+    /// The features of a picture; none where the knobs draw no lines.
+    pub fn find(buffer: &GBuffer, knobs: &BinaryKnobs) -> Self {
+        if !knobs.lines {
+            return Self::default();
+        }
+        let (w, h) = buffer.size();
+        let finder = Finder {
+            buffer,
+            knobs,
+            least_cos: knobs.line_crease.to_radians().min(PI).cos() + 1e-3,
+        };
+        let mut marks = vec![0u8; w * h];
+        marks.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, row)| {
+            for (x, mark) in row.iter_mut().enumerate() {
+                let right = x + 1 < w && finder.is_line((x, y), (x + 1, y));
+                let below = y + 1 < h && finder.is_line((x, y), (x, y + 1));
+                *mark = u8::from(right) | u8::from(below) << 1;
+            }
+        });
+        Self { marks: Plane::from_pixels(w, h, marks) }
     }
 }
 
 struct Finder<'a> {
     buffer: &'a GBuffer,
-    white: &'a Plane<bool>,
-    paper_is_white: bool,
     knobs: &'a BinaryKnobs,
+    /// Normals whose cosine is greater make no crease.
+    least_cos: f32,
 }
 
 type Pixel = (usize, usize);
 
 impl Finder<'_> {
-    /// The cracks with a line whose two sides both have the label `side`.
-    fn cracks(&self, side: bool) -> Cracks {
-        let (w, h) = self.buffer.size();
-        Cracks::mark(w, h, |x, y, axis| {
-            let q = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
-            self.label((x, y)) == side && self.label(q) == side && self.is_line((x, y), q)
-        })
-    }
-
-    fn label(&self, p: Pixel) -> bool {
-        if self.buffer.covered[p] { self.white[p] } else { self.paper_is_white }
-    }
-
     fn is_line(&self, p: Pixel, q: Pixel) -> bool {
         match (self.buffer.covered[p], self.buffer.covered[q]) {
             (true, true) => self.is_inner_line(p, q),
@@ -79,6 +119,7 @@ impl Finder<'_> {
         }
     }
 
+    /// What pairs of pixels without a feature are told by most cheaply comes first.
     fn is_inner_line(&self, p: Pixel, q: Pixel) -> bool {
         let k = self.knobs;
         let objects = k.line_objects && self.buffer.object[p] != self.buffer.object[q];
@@ -103,6 +144,10 @@ impl Finder<'_> {
     /// A crease of the smooth surface: a bend over one pixel that its surroundings do not share.
     fn is_crease(&self, p: Pixel, q: Pixel) -> bool {
         let limit = self.knobs.line_crease.to_radians();
+        let n = &self.buffer.smooth_normal;
+        if Vec3::from(n[p]).dot(Vec3::from(n[q])) > self.least_cos {
+            return false;
+        }
         let here = self.bend(p, q);
         if here < limit {
             return false;

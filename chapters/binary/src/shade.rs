@@ -1,17 +1,18 @@
 //! The chapter's main line: weights, cut, islands, lines.
 
 use crate::appearance::Channels;
-use crate::cut::{Border, Graph, Labels};
-use crate::exposure::{Exposure, Sample, mixed_tone};
+use crate::cut::{Border, FeaturePairs, Graph, Labels};
+use crate::exposure::{Exposure, MOST_STEPS, Sample, mixed_tone, strip};
 use crate::geometry::neighbour_factors;
 use crate::island::without_islands;
 use crate::knob::{BinaryKnobs, Model, scaled};
-use crate::line::Lines;
+use crate::line::{Features, Lines};
 use crate::terminal::terminal;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_ink::smooth_coverage;
 use chiaro_trace::GBuffer;
+use std::ops::RangeInclusive;
 
 /// One picture's input: geometry and appearance.
 pub struct View {
@@ -37,8 +38,20 @@ pub struct Steps {
     pub island_energy: f64,
     /// How much of the border runs on features.
     pub border: Border,
+    /// How white each pixel is once the borders are smooth.
+    pub region: Plane<f32>,
     /// Lines on top.
     pub lines: Lines,
+}
+
+/// The weights of one view.
+pub struct Weights {
+    /// W - B (3.1).
+    pub difference: Plane<f32>,
+    /// Neighbour weights relative to N~ (3.2), to E, SE, S, SW.
+    pub factors: Plane<[f32; 4]>,
+    /// The graph in integers.
+    pub graph: Graph,
 }
 
 /// Black and white for one view. `paper_is_white` says what lines are drawn against outside.
@@ -50,112 +63,140 @@ pub fn shade(
     run: &Run,
 ) -> Result<Steps> {
     let pixels = view.buffer.covered.len() as u64;
-    let (difference, factors, graph) =
-        run.stage("weights", pixels, || weigh(view, exposure, knobs));
-    run.check()?;
+    let Weights { difference, factors, graph } = weigh(view, exposure, knobs, run)?;
     let labels = run.stage("cut", pixels, || graph.solve())?;
     run.check()?;
-    let area = island_area(knobs, view.buffer.size().1);
+    let area = knobs.island_area(view.buffer.size().1);
     let white = without_islands(&labels.white, &graph.mask, area);
     let added = if area > 0.0 { graph.energy(&white) - labels.cut } else { 0 };
-    let border = Border::measure(&white, &graph.mask, &factors);
-    let lines = run.stage("lines", pixels, || {
-        // Slivers that smoothing takes away need a line in their place.
-        let sigma = scaled(knobs.smooth, view.buffer.size().1);
-        let shown = smooth_coverage(&white, &graph.mask, sigma).map(|w| *w >= 0.5);
-        Lines::find(&view.buffer, &shown, paper_is_white, knobs)
+    let border = Border::measure(&white, &graph.mask, &FeaturePairs::of(&factors));
+    let (region, lines) = run.stage("lines", pixels, || {
+        let features = Features::find(&view.buffer, knobs);
+        outline(&features, &white, &graph.mask, paper_is_white, knobs)
     });
     let island_energy = added as f64 / f64::from(graph.scale);
-    Ok(Steps { difference, factors, graph, labels, white, island_energy, border, lines })
+    Ok(Steps { difference, factors, graph, labels, white, island_energy, border, region, lines })
 }
 
-fn weigh(
-    view: &View,
-    exposure: &Exposure,
-    knobs: &BinaryKnobs,
-) -> (Plane<f32>, Plane<[f32; 4]>, Graph) {
+/// Terminal and neighbour weights, and the graph that they make.
+pub fn weigh(view: &View, exposure: &Exposure, knobs: &BinaryKnobs, run: &Run) -> Result<Weights> {
     let covered = &view.buffer.covered;
-    let difference = terminal(&view.channels, covered, exposure, knobs);
-    let factors = neighbour_factors(&view.buffer, knobs);
-    let graph = Graph::new(covered, &difference, &factors, knobs);
-    (difference, factors, graph)
+    let weights = run.stage("weights", covered.len() as u64, || {
+        let difference = terminal(&view.channels, covered, exposure, knobs);
+        let factors = neighbour_factors(&view.buffer, knobs);
+        let graph = Graph::new(covered, &difference, &factors, knobs);
+        Weights { difference, factors, graph }
+    });
+    run.check()?;
+    Ok(weights)
 }
 
-/// The smallest area that a piece keeps, in pixels of a picture of this height.
-fn island_area(knobs: &BinaryKnobs, height: usize) -> f32 {
-    knobs.island * scaled(1.0, height).powi(2)
+/// The regions with smooth borders, and the lines between what they show: slivers that smoothing
+/// takes away need a line in their place.
+pub fn outline(
+    features: &Features,
+    white: &Plane<bool>,
+    covered: &Plane<bool>,
+    paper_is_white: bool,
+    knobs: &BinaryKnobs,
+) -> (Plane<f32>, Lines) {
+    let region = smooth_coverage(white, covered, scaled(knobs.smooth, covered.height()));
+    let shown = region.map(|w| *w >= 0.5);
+    let lines = Lines::between(features, &shown, covered, paper_is_white, knobs);
+    (region, lines)
 }
 
 /// The exposure of a shot from a few small views of it: levels and threshold by survey, then the
-/// threshold moved as little as brings the share of black into the style's band.
+/// threshold moved as little as brings the share of black into the style's band, and the steps of
+/// palettes. The thesis's model, which knows no exposure, is helped out only where all or nothing
+/// would be black.
 pub fn expose(views: &[View], shadows: bool, knobs: &BinaryKnobs, run: &Run) -> Result<Exposure> {
-    if knobs.model == Model::Thesis {
-        return Ok(Exposure { shadows, ..Exposure::default() });
-    }
-    let samples: Vec<Sample> = views
-        .iter()
-        .map(|v| Sample {
-            tone: mixed_tone(&v.channels, &v.buffer.covered, knobs),
-            covered: v.buffer.covered.clone(),
-        })
-        .collect();
-    let exposure = Exposure::survey(&samples, shadows, knobs);
-    into_band(views, exposure, knobs, run)
-}
-
-/// Bisects the threshold until the share of black is within the style's band, or as near as it
-/// gets.
-fn into_band(
-    views: &[View],
-    exposure: Exposure,
-    knobs: &BinaryKnobs,
-    run: &Run,
-) -> Result<Exposure> {
-    let band = knobs.black_min..=knobs.black_max.max(knobs.black_min);
-    let factors: Vec<_> = views.iter().map(|v| neighbour_factors(&v.buffer, knobs)).collect();
-    let black = |e: &Exposure| -> Result<f32> {
-        run.check()?;
-        share_of_black(views, &factors, e, knobs)
+    let survey = Survey {
+        views,
+        factors: views.iter().map(|v| neighbour_factors(&v.buffer, knobs)).collect(),
+        knobs,
+        run,
     };
-    let first = black(&exposure)?;
-    if band.contains(&first) || first.is_nan() {
-        return Ok(exposure);
-    }
-    let darker = first < *band.start();
-    let (mut near, mut far) =
-        (exposure.threshold, exposure.threshold + if darker { 1.5 } else { -1.5 });
-    let mut best = exposure;
-    for _ in 0..9 {
-        best.threshold = 0.5 * (near + far);
-        let share = black(&best)?;
-        if band.contains(&share) {
-            // Inside: come back as near to the first threshold as the band allows.
-            far = best.threshold;
-        } else if (share < *band.start()) == darker {
-            near = best.threshold;
-        } else {
-            far = best.threshold;
+    let mut exposure = match knobs.model {
+        Model::Thesis => {
+            let printed = Exposure { shadows, ..Exposure::default() };
+            survey.within_band(printed, 0.02..=0.98)?
+        }
+        Model::Tone => {
+            let samples = |v: &View| Sample {
+                tone: mixed_tone(&v.channels, &v.buffer.covered, knobs),
+                covered: v.buffer.covered.clone(),
+            };
+            let samples: Vec<Sample> = views.iter().map(samples).collect();
+            let exposure = Exposure::survey(&samples, shadows, knobs);
+            survey.within_band(exposure, knobs.black_min..=knobs.black_max.max(knobs.black_min))?
+        }
+    };
+    if !knobs.palette.is_empty() {
+        for tones in 3..=MOST_STEPS + 1 {
+            let differences = survey.differences(&exposure, &knobs.for_tones(tones));
+            let black = 0.5 * (knobs.black_min + knobs.black_max);
+            exposure.survey_steps(tones, &differences, black);
         }
     }
-    best.threshold = far;
-    Ok(best)
+    Ok(exposure)
 }
 
-/// The share of covered pixels that the cut leaves black, over all views; NaN without any.
-fn share_of_black(
-    views: &[View],
-    factors: &[Plane<[f32; 4]>],
-    exposure: &Exposure,
-    knobs: &BinaryKnobs,
-) -> Result<f32> {
-    let (mut black, mut all) = (0usize, 0usize);
-    for (view, factors) in views.iter().zip(factors) {
-        let covered = &view.buffer.covered;
-        let difference = terminal(&view.channels, covered, exposure, knobs);
-        let labels = Graph::new(covered, &difference, factors, knobs).solve()?;
-        let count = covered.pixels().iter().filter(|c| **c).count();
-        all += count;
-        black += count - labels.white.pixels().iter().filter(|w| **w).count();
+/// The views that a shot is exposed on.
+struct Survey<'a> {
+    views: &'a [View],
+    factors: Vec<Plane<[f32; 4]>>,
+    knobs: &'a BinaryKnobs,
+    run: &'a Run,
+}
+
+impl Survey<'_> {
+    /// Bisects the threshold until the share of black is within the band. Where it jumps over the
+    /// band, as on one flat tone, the side that is nearer is taken, and of two alike the lighter.
+    fn within_band(&self, exposure: Exposure, band: RangeInclusive<f32>) -> Result<Exposure> {
+        let off = |share: f32| (band.start() - share).max(share - band.end()).max(0.0);
+        let first = self.share_of_black(&exposure)?;
+        if first.is_nan() || off(first) == 0.0 {
+            return Ok(exposure);
+        }
+        let darker = first < *band.start();
+        let (mut near, mut far) =
+            (exposure.threshold, exposure.threshold + if darker { 1.5 } else { -1.5 });
+        let mut best = (off(first), first, exposure);
+        for _ in 0..9 {
+            let middle = Exposure { threshold: 0.5 * (near + far), ..exposure };
+            let share = self.share_of_black(&middle)?;
+            if (off(share), share) <= (best.0, best.1) || off(share) == 0.0 {
+                best = (off(share), share, middle);
+            }
+            // Inside the band it comes back, as near to the first threshold as the band allows.
+            let too_far = off(share) == 0.0 || (share < *band.start()) != darker;
+            if too_far { far = middle.threshold } else { near = middle.threshold }
+        }
+        Ok(best.2)
     }
-    Ok(black as f32 / all as f32)
+
+    /// The share of covered pixels that the cut leaves black, over all views; NaN without any.
+    fn share_of_black(&self, exposure: &Exposure) -> Result<f32> {
+        let (mut black, mut all) = (0usize, 0usize);
+        for (view, factors) in self.views.iter().zip(&self.factors) {
+            self.run.check()?;
+            let covered = &view.buffer.covered;
+            let difference = terminal(&view.channels, covered, exposure, self.knobs);
+            let labels = Graph::new(covered, &difference, factors, self.knobs).solve()?;
+            let count = covered.pixels().iter().filter(|c| **c).count();
+            all += count;
+            black += count - labels.white.pixels().iter().filter(|w| **w).count();
+        }
+        Ok(black as f32 / all as f32)
+    }
+
+    /// W - B of all views, one below the other.
+    fn differences(&self, exposure: &Exposure, knobs: &BinaryKnobs) -> (Plane<f32>, Plane<bool>) {
+        let sample = |v: &View| Sample {
+            tone: terminal(&v.channels, &v.buffer.covered, exposure, knobs),
+            covered: v.buffer.covered.clone(),
+        };
+        strip(&self.views.iter().map(sample).collect::<Vec<_>>())
+    }
 }

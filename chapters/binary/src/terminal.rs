@@ -20,7 +20,11 @@ pub fn terminal(
             let tone = mixed_tone(channels, covered, knobs).map(|&t| exposure.stretch(t));
             from_tone(&tone, covered, exposure, knobs)
         }
-        Model::Thesis => from_channels(channels, covered, knobs),
+        Model::Thesis => {
+            let shift = exposure.threshold - Exposure::default().threshold;
+            let sum = from_channels(channels, covered, knobs);
+            if shift == 0.0 { sum } else { sum.map(|d| d - shift) }
+        }
     }
 }
 

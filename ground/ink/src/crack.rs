@@ -99,18 +99,35 @@ impl<'a> Walk<'a> {
     }
 
     fn chains(&mut self) -> Vec<Chain> {
-        let (w, h) = self.marks.size();
-        let corners = || (0..=h).flat_map(move |y| (0..=w).map(move |x| (x, y)));
+        let corners = self.corners();
         let mut chains = Vec::new();
-        for corner in corners() {
-            if self.around(corner).count() != 2 {
-                self.leave(corner, &mut chains);
+        for corner in &corners {
+            if self.around(*corner).count() != 2 {
+                self.leave(*corner, &mut chains);
             }
         }
-        for corner in corners() {
+        for corner in corners {
             self.leave(corner, &mut chains);
         }
         chains
+    }
+
+    /// The ends of all marked cracks, in reading order.
+    fn corners(&self) -> Vec<Corner> {
+        let mut ends: Vec<(usize, usize)> = Vec::new();
+        for y in 0..self.marks.height() {
+            for (x, [right, below]) in self.marks.row(y).iter().enumerate() {
+                if *right {
+                    ends.extend([(y, x + 1), (y + 1, x + 1)]);
+                }
+                if *below {
+                    ends.extend([(y + 1, x), (y + 1, x + 1)]);
+                }
+            }
+        }
+        ends.sort_unstable();
+        ends.dedup();
+        ends.into_iter().map(|(y, x)| (x, y)).collect()
     }
 
     /// Walks along every crack at a corner that was not walked yet.

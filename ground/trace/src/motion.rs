@@ -31,7 +31,7 @@ pub fn motion(
 
 /// The world position in `previous` of the material point that was hit in `frame`; `None` where
 /// connectivity has changed.
-fn material_point(
+pub(crate) fn material_point(
     scene: &Scene,
     frame: &Frame,
     previous: &Frame,

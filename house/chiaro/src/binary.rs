@@ -10,13 +10,15 @@ use crate::film::{self, Target};
 use crate::lighting::Lighting;
 use crate::project::Project;
 use crate::record::{Output, Record};
+use crate::reel::{self, Labelling};
 use crate::style::Style;
 use crate::vector::{self, Plate, Print};
 use crate::write;
 use chiaro_basis::{Knobs, Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Channel, Channels, Exposure, LEAST_REACH, Lit, Marks, REFERENCE_HEIGHT, Steps,
-    View, compose, expose, one_bit, shade,
+    BinaryKnobs, Border, Channel, Channels, Coloured, Exposure, Features, Graph, LEAST_REACH,
+    Labels, Lines, Lit, Marks, Palette, REFERENCE_HEIGHT, Steps, View, colour_regions, compose,
+    expose, is_light, one_bit, outline, shade, tint,
 };
 use chiaro_image::colour::to_byte;
 use chiaro_image::labels::components;
@@ -49,7 +51,7 @@ impl Default for Colours {
 
 impl Colours {
     /// Whether what has no geometry is nearer to paper than to ink.
-    fn paper_is_white(&self) -> bool {
+    pub(crate) fn paper_is_white(&self) -> bool {
         let lightness = |c: [f32; 4]| 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
         self.background[3] < 0.5
             || lightness(self.background) >= 0.5 * (lightness(self.ink) + lightness(self.paper))
@@ -64,13 +66,14 @@ impl Colours {
 
 /// What does not change over a shot.
 pub struct Shot<'a> {
-    project: &'a Project,
-    knobs: BinaryKnobs,
+    pub(crate) project: &'a Project,
+    /// The knobs, macros worked in.
+    pub(crate) knobs: BinaryKnobs,
     /// The camera.
     pub camera: Camera,
     /// The exposure.
     pub exposure: Exposure,
-    lighting: Lighting,
+    pub(crate) lighting: Lighting,
     surfaces: Surfaces<'a>,
 }
 
@@ -86,7 +89,7 @@ impl<'a> Shot<'a> {
             Lighting::choose(project, &surfaces, &camera, (&frames[0], numbers[0]), run)?;
         let mut shot = Self {
             project,
-            knobs: knobs.clone(),
+            knobs: knobs.resolved(),
             camera,
             exposure: Exposure::default(),
             lighting,
@@ -122,7 +125,7 @@ impl<'a> Shot<'a> {
         self.render(frame, number, self.camera.size, self.exposure.shadows, |_| true, run)
     }
 
-    fn view(
+    pub(crate) fn view(
         &self,
         frame: &Frame,
         number: u32,
@@ -176,22 +179,117 @@ impl<'a> Shot<'a> {
     ) -> Result<Picture> {
         let size = self.camera.size;
         let view = self.view(frame, number, size, self.exposure.shadows, run)?;
-        let steps = shade(&view, &self.exposure, &self.knobs, colours.paper_is_white(), run)?;
-        let marks = run.stage("draw", (size.0 * size.1) as u64, || {
-            compose(&steps.white, &view.buffer.covered, &steps.lines, &self.knobs)
-        });
-        Ok(Picture { view, steps, marks })
+        draw(&view, &self.exposure, &self.knobs, colours, run)
+    }
+
+    /// The palette of its pictures.
+    pub(crate) fn palette(&self, colours: &Colours) -> Result<Palette> {
+        Palette::parse(&self.knobs.palette, colours.ink, colours.paper)
     }
 }
 
-/// A finished frame with everything on the way to it.
+/// Draws one view: weights, cut, lines, colours.
+pub(crate) fn draw(
+    view: &View,
+    exposure: &Exposure,
+    knobs: &BinaryKnobs,
+    colours: &Colours,
+    run: &Run,
+) -> Result<Picture> {
+    let covered = &view.buffer.covered;
+    let mut steps = shade(view, exposure, knobs, colours.paper_is_white(), run)?;
+    let palette = Palette::parse(&knobs.palette, colours.ink, colours.paper)?;
+    let mut labels = None;
+    let tint = match &palette {
+        Palette::Two => None,
+        palette => {
+            let coloured = run.stage("cut", covered.len() as u64, || {
+                colour_regions(palette, view, &steps.graph, exposure, knobs)
+            })?;
+            let tint = tinted(&coloured, palette, view, &mut steps, (knobs, colours), run);
+            labels = Some(coloured.labels);
+            Some(tint)
+        }
+    };
+    let marks = run.stage("draw", covered.len() as u64, || {
+        compose(&steps.region, covered, &steps.lines, knobs)
+    });
+    let counts = measures(&steps);
+    let Steps { white, lines, graph, labels: cut, .. } = steps;
+    Ok(Picture {
+        covered: covered.clone(),
+        labels: labels.unwrap_or_else(|| white.map(|w| u8::from(*w))),
+        palette: palette.colours().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
+        white,
+        lines,
+        marks,
+        tint,
+        graph,
+        cut,
+        counts,
+    })
+}
+
+/// A labelled picture in its palette's colours with lines drawn. Regions become white where their
+/// colour is light.
+fn tinted(
+    coloured: &Coloured,
+    palette: &Palette,
+    view: &View,
+    steps: &mut Steps,
+    (knobs, colours): (&BinaryKnobs, &Colours),
+    run: &Run,
+) -> Plane<[f32; 3]> {
+    let covered = &view.buffer.covered;
+    run.stage("draw", covered.len() as u64, || {
+        let light = is_light(palette);
+        steps.white = coloured.labels.map(|l| light[usize::from(*l)]);
+        let features = Features::find(&view.buffer, knobs);
+        let paper = colours.paper_is_white();
+        (steps.region, steps.lines) = outline(&features, &steps.white, covered, paper, knobs);
+        let (w, h) = covered.size();
+        let over =
+            |white: f32| compose(&Plane::filled(w, h, white), covered, &steps.lines, knobs).white;
+        let (on_white, on_black) = (over(1.0), over(0.0));
+        let tint = tint(coloured, covered, palette, knobs);
+        Plane::from_fn(w, h, |x, y| {
+            let (one, zero, t) = (on_white[(x, y)], on_black[(x, y)], tint[(x, y)]);
+            std::array::from_fn(|c| {
+                colours.ink[c] * (1.0 - one) + t[c] * (one - zero) + colours.paper[c] * zero
+            })
+        })
+    })
+}
+
+/// A finished frame: all that files are made of.
 pub struct Picture {
-    /// Geometry and appearance.
-    pub view: View,
-    /// Weights, cut, islands, lines.
-    pub steps: Steps,
+    /// Where there is geometry.
+    pub covered: Plane<bool>,
+    /// The regions: white where true.
+    pub white: Plane<bool>,
+    /// The lines on top.
+    pub lines: Lines,
     /// Regions and lines, antialiased.
     pub marks: Marks,
+    /// The place of each pixel's colour in the palette; of ink and paper, 1 where white.
+    pub labels: Plane<u8>,
+    /// The palette's colours where they are more than ink and paper.
+    pub palette: Vec<[f32; 4]>,
+    /// Its colours where the palette is more than ink and paper, lines drawn, sRGB-encoded.
+    pub tint: Option<Plane<[f32; 3]>>,
+    /// The graph that was cut.
+    pub graph: Graph,
+    /// That graph's own minimal cut.
+    pub cut: Labels,
+    /// The measures of the record.
+    pub counts: Map<String, Value>,
+}
+
+impl Picture {
+    /// What a screen shows, transparency left out.
+    pub fn displayed(&self, colours: &Colours) -> Plane<[u8; 3]> {
+        colour(self, colours).map(|[r, g, b, _]| [*r, *g, *b])
+    }
 }
 
 /// A binary job.
@@ -215,59 +313,41 @@ pub struct Job<'a> {
 impl Job<'_> {
     /// Renders and writes every frame that is not there yet.
     pub fn run(&self, run: &Run) -> Result<Record> {
-        let encode = Encoding::of(&self.target)?;
         dump::check(self.dump_graph.as_deref())?;
         let mut record = Record::new("binary");
-        let mut counts = Vec::new();
-        let mut pictures = Vec::new();
-        let poser = self.project.poser();
         let shot = &Shot::survey(self.project, self.knobs, run)?;
-        for number in self.project.frames() {
-            run.check()?;
-            let recipe = self.recipe(shot, number);
-            let file = self.target.file(number);
-            if let (Target::Pattern(_), None, Some(output)) =
-                (&self.target, &self.dump_graph, film::finished(&file, &recipe))
-            {
-                record.outputs.push(output);
-                continue;
-            }
-            let frame = self.project.pose(&poser, number, run);
-            let picture = shot.picture(&frame, number, &self.colours, run)?;
-            counts.push((number, measures(&picture)));
-            let graph = run.stage("write", 1, || self.dump(number, &picture.steps))?;
-            if let Target::Animation(_) = self.target {
-                pictures.push(colour(&picture.marks, &self.colours));
-                record.outputs.extend(graph);
-                continue;
-            }
-            let output = run.stage("write", 1, || {
-                let bytes = match encode {
-                    Encoding::Svg => self.svg(&picture, number, &recipe, &mut counts)?,
-                    _ => encode.encode(&picture, &self.colours, &recipe)?,
-                };
-                match self.target {
-                    Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
-                    _ => write::whole(&file, &bytes),
-                }
-            })?;
-            record.outputs.push(output);
-            record.outputs.extend(graph);
+        let mut out = Out::new(self, shot)?;
+        let missing = out.missing(self.project.frames());
+        let mut film = Map::new();
+        let palette = shot.palette(&self.colours)?;
+        let holds = self.project.shot().len() > 1 && self.knobs.coherence > 0.0;
+        if holds && palette != Palette::Two {
+            run.warn("a palette of more colours: each frame is on its own");
         }
-        if let Target::Animation(path) = &self.target {
-            let recipe = self.recipe(shot, self.project.frames()[0]);
-            let bytes = codec::write_apng(&pictures, self.project.options.fps, Some(&recipe))?;
-            record.outputs.push(run.stage("write", 1, || write::whole(path, &bytes))?);
+        let two = palette == Palette::Two;
+        if two && self.project.shot().len() > 1 {
+            let mut deliver = |number: u32, picture: Picture| out.put(number, picture, run);
+            let how = (missing.as_slice(), Labelling::of(&shot.knobs));
+            film = reel::shoot(shot, &self.colours, how, &mut deliver, run)?;
+        } else {
+            let poser = self.project.poser();
+            for number in missing {
+                run.check()?;
+                let frame = self.project.pose(&poser, number, run);
+                out.put(number, shot.picture(&frame, number, &self.colours, run)?, run)?;
+            }
         }
-        self.describe(&mut record, shot, counts);
+        let counts = out.finish(&mut record, run)?;
+        record.settings = self.settings(shot);
+        record.counts = match <[Map<_, _>; 1]>::try_from(counts) {
+            Ok([only]) => only,
+            Err(frames) => {
+                let frames: Vec<Value> = frames.into_iter().map(Value::Object).collect();
+                Map::from_iter([("frames".into(), frames.into())])
+            }
+        };
+        record.counts.extend(film);
         Ok(record)
-    }
-
-    fn dump(&self, number: u32, steps: &Steps) -> Result<Vec<Output>> {
-        match &self.dump_graph {
-            Some(folder) => dump::graph(&dump::folder(folder, &self.target, number), steps),
-            None => Ok(Vec::new()),
-        }
     }
 
     fn svg(
@@ -275,33 +355,21 @@ impl Job<'_> {
         picture: &Picture,
         frame: u32,
         recipe: &str,
-        counts: &mut [(u32, Value)],
+        counts: &mut Map<String, Value>,
     ) -> Result<Vec<u8>> {
+        let two = [self.colours.ink, self.colours.paper];
         let plate = Plate {
-            labels: &picture.steps.white.map(|w| u8::from(*w)),
-            covered: &picture.view.buffer.covered,
-            colours: &[self.colours.ink, self.colours.paper],
-            lines: &picture.steps.lines,
+            labels: &picture.labels,
+            covered: &picture.covered,
+            colours: if picture.palette.is_empty() { &two } else { &picture.palette },
+            lines: &picture.lines,
             scheme: &self.colours,
         };
         let title = format!("{} {frame}", self.project.file_name());
         let (svg, travel) = vector::draw(&plate, self.knobs, &self.print, &title, recipe)?;
-        if let Some((_, count)) = counts.last_mut() {
-            count["pen_down_mm"] = json!(travel.down);
-            count["pen_up_mm"] = json!(travel.up);
-        }
+        counts.insert("pen_down_mm".into(), json!(travel.down));
+        counts.insert("pen_up_mm".into(), json!(travel.up));
         Ok(svg.into_bytes())
-    }
-
-    fn describe(&self, record: &mut Record, shot: &Shot<'_>, counts: Vec<(u32, Value)>) {
-        record.settings = self.settings(shot);
-        match counts.as_slice() {
-            [(_, Value::Object(only))] => record.counts = only.clone(),
-            _ => {
-                let frames: Vec<Value> = counts.into_iter().map(|(_, c)| c).collect();
-                record.count("frames", frames);
-            }
-        }
     }
 
     fn settings(&self, shot: &Shot<'_>) -> Map<String, Value> {
@@ -340,6 +408,88 @@ impl Job<'_> {
             "settings": settings,
         })
         .to_string()
+    }
+}
+
+/// Where finished pictures go.
+struct Out<'a> {
+    job: &'a Job<'a>,
+    shot: &'a Shot<'a>,
+    encode: Encoding,
+    outputs: Vec<(u32, Output)>,
+    /// Pictures of an animation, which is written at the end.
+    pictures: Vec<Plane<[u8; 4]>>,
+    counts: Vec<Map<String, Value>>,
+}
+
+impl<'a> Out<'a> {
+    fn new(job: &'a Job<'a>, shot: &'a Shot<'a>) -> Result<Self> {
+        let encode = Encoding::of(&job.target)?;
+        let (outputs, pictures, counts) = Default::default();
+        Ok(Self { job, shot, encode, outputs, pictures, counts })
+    }
+
+    /// Those of the frames whose files are not there yet.
+    fn missing(&mut self, numbers: Vec<u32>) -> Vec<u32> {
+        let (Target::Pattern(_), None) = (&self.job.target, &self.job.dump_graph) else {
+            return numbers;
+        };
+        let is_missing = |number: &u32| {
+            let recipe = self.job.recipe(self.shot, *number);
+            match film::finished(&self.job.target.file(*number), &recipe) {
+                Some(output) => {
+                    self.outputs.push((*number, output));
+                    false
+                }
+                None => true,
+            }
+        };
+        numbers.into_iter().filter(is_missing).collect()
+    }
+
+    fn put(&mut self, number: u32, picture: Picture, run: &Run) -> Result<()> {
+        let job = self.job;
+        let mut counts = picture.counts.clone();
+        if let Some(folder) = &job.dump_graph {
+            let folder = dump::folder(folder, &job.target, number);
+            let files =
+                run.stage("write", 1, || dump::graph(&folder, &picture.graph, &picture.cut))?;
+            self.outputs.extend(files.into_iter().map(|output| (number, output)));
+        }
+        if let Target::Animation(_) = job.target {
+            self.pictures.push(colour(&picture, &job.colours));
+            self.counts.push(counts);
+            return Ok(());
+        }
+        let (recipe, file) = (job.recipe(self.shot, number), job.target.file(number));
+        let output = run.stage("write", 1, || {
+            let bytes = match self.encode {
+                Encoding::Svg => job.svg(&picture, number, &recipe, &mut counts)?,
+                encode => encode.encode(&picture, &job.colours, &recipe)?,
+            };
+            match job.target {
+                Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
+                _ => write::whole(&file, &bytes),
+            }
+        })?;
+        self.outputs.push((number, output));
+        self.counts.push(counts);
+        Ok(())
+    }
+
+    /// Writes what is written at the end; the measures of the pictures that were made.
+    fn finish(mut self, record: &mut Record, run: &Run) -> Result<Vec<Map<String, Value>>> {
+        let job = self.job;
+        if let Target::Animation(path) = &job.target {
+            let first = job.project.frames()[0];
+            let recipe = job.recipe(self.shot, first);
+            let fps = job.project.options.fps;
+            let bytes = codec::write_apng(&self.pictures, fps, Some(&recipe))?;
+            self.outputs.push((first, run.stage("write", 1, || write::whole(path, &bytes))?));
+        }
+        self.outputs.sort_by_key(|(number, _)| *number);
+        record.outputs.extend(self.outputs.into_iter().map(|(_, output)| output));
+        Ok(self.counts)
     }
 }
 
@@ -383,57 +533,78 @@ impl Encoding {
         match self {
             Self::Pbm => Ok(codec::write_pbm(&one_bit(&picture.marks, colours.paper_is_white()))),
             Self::Svg => unreachable!("vectors are drawn, not encoded"),
-            Self::Png if colours.are_grey() => {
-                let grey = colour(&picture.marks, colours).map(|p| p[0]);
+            Self::Png if colours.are_grey() && picture.tint.is_none() => {
+                let grey = colour(picture, colours).map(|p| p[0]);
                 codec::write_png_grey(&grey, Some(recipe))
             }
-            Self::Png => codec::write_png_rgba(&colour(&picture.marks, colours), Some(recipe)),
+            Self::Png => codec::write_png_rgba(&colour(picture, colours), Some(recipe)),
         }
     }
 }
 
 /// Ink and paper over the background, sRGB-encoded bytes. Shares are mixed as displayed: ink has no
 /// light of its own, and lines keep their optical width.
-fn colour(marks: &Marks, colours: &Colours) -> Plane<[u8; 4]> {
+fn colour(picture: &Picture, colours: &Colours) -> Plane<[u8; 4]> {
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    marks
-        .white
-        .zip(&marks.opacity, |&w, &o| {
-            let over: [f32; 4] = std::array::from_fn(|i| mix(colours.ink[i], colours.paper[i], w));
-            let alpha = mix(colours.background[3], over[3], o);
-            let channel = |i: usize| {
-                let back = colours.background[i] * colours.background[3] * (1.0 - o);
-                (back + over[i] * over[3] * o) / alpha.max(1e-6)
-            };
-            [to_byte(channel(0)), to_byte(channel(1)), to_byte(channel(2)), to_byte(alpha)]
-        })
-        .expect("both have the picture's size")
+    let (w, h) = picture.covered.size();
+    Plane::from_fn(w, h, |x, y| {
+        let (white, o) = (picture.marks.white[(x, y)], picture.marks.opacity[(x, y)]);
+        let over: [f32; 4] = match &picture.tint {
+            Some(tint) => {
+                let [r, g, b] = tint[(x, y)];
+                [r, g, b, 1.0]
+            }
+            None => std::array::from_fn(|i| mix(colours.ink[i], colours.paper[i], white)),
+        };
+        let alpha = mix(colours.background[3], over[3], o);
+        let channel = |i: usize| {
+            let back = colours.background[i] * colours.background[3] * (1.0 - o);
+            to_byte((back + over[i] * over[3] * o) / alpha.max(1e-6))
+        };
+        [channel(0), channel(1), channel(2), to_byte(alpha)]
+    })
 }
 
 /// The measures of a picture for the record.
-pub fn measures(picture: &Picture) -> Value {
-    let steps = &picture.steps;
-    let covered = &picture.view.buffer.covered;
-    let height = covered.height() as f32;
-    let pixels = covered.len();
+fn measures(steps: &Steps) -> Map<String, Value> {
+    counts(&steps.white, &steps.graph, &steps.labels, steps.island_energy, &steps.border)
+}
+
+/// The measures of a labelled frame: its regions, its graph and that graph's own cut, what the
+/// labels cost beyond it, and their border.
+pub(crate) fn counts(
+    white: &Plane<bool>,
+    graph: &Graph,
+    cut: &Labels,
+    beyond: f64,
+    border: &Border,
+) -> Map<String, Value> {
+    let mut counts = shape_counts(white, &graph.mask);
+    let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
+    put("flow", json!(cut.flow));
+    put("cut", json!(cut.cut));
+    put("capacity_units", json!(graph.scale));
+    put("island_energy", json!(beyond));
+    put("boundary_px", json!(border.pairs));
+    put("feature_share", json!(border.on_features));
+    put("feature_share_by_chance", json!(border.by_chance));
+    counts
+}
+
+/// What is counted on the regions alone.
+pub(crate) fn shape_counts(white: &Plane<bool>, covered: &Plane<bool>) -> Map<String, Value> {
     let nodes = covered.pixels().iter().filter(|c| **c).count();
-    let white = steps.white.pixels().iter().filter(|w| **w).count();
-    let pieces = components(&steps.white, covered);
-    let small = 30.0 * (height / REFERENCE_HEIGHT).powi(2);
-    let islands =
-        pieces.pieces.iter().filter(|p| p.touches_other && (p.area as f32) < small).count();
-    json!({
-        "pixels": pixels,
-        "nodes": nodes,
-        "flow": steps.labels.flow,
-        "cut": steps.labels.cut,
-        "capacity_units": steps.graph.scale,
-        "white_fraction": if nodes == 0 { 0.0 } else { white as f64 / nodes as f64 },
-        "components": pieces.pieces.len(),
-        "islands_under_30px": islands,
-        "island_energy": steps.island_energy,
-        "boundary_px": steps.border.pairs,
-        "feature_share": steps.border.on_features,
-        "feature_share_by_chance": steps.border.by_chance,
-    })
+    let whites = white.pixels().iter().filter(|w| **w).count();
+    let pieces = components(white, covered).pieces;
+    let small = 30.0 * (covered.height() as f32 / REFERENCE_HEIGHT).powi(2);
+    let islands = pieces.iter().filter(|p| p.touches_other && (p.area as f32) < small).count();
+    let share = if nodes == 0 { 0.0 } else { whites as f64 / nodes as f64 };
+    let mut counts = Map::new();
+    let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
+    put("pixels", json!(covered.len()));
+    put("nodes", json!(nodes));
+    put("white_fraction", json!(share));
+    put("components", json!(pieces.len()));
+    put("islands_under_30px", json!(islands));
+    counts
 }

@@ -14,7 +14,7 @@ use crate::film::Target;
 use crate::record::Output;
 use crate::write;
 use chiaro_basis::{Error, Result};
-use chiaro_binary::{EDGES, Steps};
+use chiaro_binary::{EDGES, Graph, Labels};
 use chiaro_image::Plane;
 use chiaro_image::codec::{write_npy, write_npy_labels};
 use std::path::{Path, PathBuf};
@@ -28,15 +28,15 @@ pub(crate) fn check(folder: Option<&Path>) -> Result<()> {
 }
 
 /// Writes the graph of a picture into `folder`, which is made if missing.
-pub(crate) fn graph(folder: &Path, steps: &Steps) -> Result<Vec<Output>> {
-    let (mask, terminal) = (&steps.graph.mask, &steps.graph.terminal);
+pub(crate) fn graph(folder: &Path, graph: &Graph, cut: &Labels) -> Result<Vec<Output>> {
+    let (mask, terminal) = (&graph.mask, &graph.terminal);
     let terminal = terminal.zip(mask, |t, m| if *m { *t } else { [0; 2] })?;
-    let neighbour = between_nodes(&steps.graph.neighbour, mask);
+    let neighbour = between_nodes(&graph.neighbour, mask);
     let files = [
         ("terminal.npy", write_npy(&terminal)),
         ("neighbour.npy", write_npy(&neighbour)),
         ("mask.npy", write_npy_labels(mask)),
-        ("labels.npy", write_npy_labels(&steps.labels.white)),
+        ("labels.npy", write_npy_labels(&cut.white)),
     ];
     files.iter().map(|(name, bytes)| write::whole(&folder.join(name), bytes)).collect()
 }

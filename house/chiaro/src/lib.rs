@@ -7,6 +7,7 @@
 pub mod binary;
 pub mod camera;
 pub mod compare;
+pub mod compare_films;
 pub mod demo;
 mod disk;
 mod dump;
@@ -21,6 +22,7 @@ pub mod number;
 pub mod page;
 pub mod project;
 pub mod record;
+mod reel;
 pub mod style;
 pub mod vector;
 pub mod write;

@@ -6,7 +6,7 @@
 
 use crate::camera::Camera;
 use crate::project::Project;
-use chiaro_basis::math::Vec3;
+use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Result, Run};
 use chiaro_scene::Frame;
 use chiaro_trace::{GBuffer, Glow, Lamp, Surfaces, Tracer, channel};
@@ -24,6 +24,8 @@ const PROBE_HEIGHT: usize = 96;
 pub(crate) enum Lighting {
     /// One parallel light.
     Sun(Lamp),
+    /// One parallel light that turns round the vertical, so many degrees a second.
+    Turning(Lamp, f32),
     /// The scene's lamps, and what shines in it.
     Scene { glow: bool },
 }
@@ -61,6 +63,10 @@ impl Lighting {
     pub(crate) fn lamps(&self, tracer: &Tracer, surfaces: &Surfaces) -> Vec<Lamp> {
         match self {
             Self::Sun(sun) => vec![*sun],
+            Self::Turning(sun, speed) => {
+                let turn = Quat::from_rotation_y(speed.to_radians() * tracer.frame.time as f32);
+                vec![Lamp { direction: turn * sun.direction, ..*sun }]
+            }
             Self::Scene { glow } => {
                 let mut lamps = Lamp::of_frame(tracer.frame);
                 if *glow {

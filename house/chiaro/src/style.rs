@@ -19,12 +19,19 @@ pub struct Style {
 }
 
 /// The styles that ship with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 5] = [
+pub const BUILT_IN: [(&str, &str); 12] = [
     ("ink", include_str!("../styles/ink.toml")),
     ("brush", include_str!("../styles/brush.toml")),
     ("etched", include_str!("../styles/etched.toml")),
     ("gloss", include_str!("../styles/gloss.toml")),
     ("noir", include_str!("../styles/noir.toml")),
+    ("poster", include_str!("../styles/poster.toml")),
+    ("woodcut", include_str!("../styles/woodcut.toml")),
+    ("manga", include_str!("../styles/manga.toml")),
+    ("scratchboard", include_str!("../styles/scratchboard.toml")),
+    ("pen", include_str!("../styles/pen.toml")),
+    ("shadow", include_str!("../styles/shadow.toml")),
+    ("lino", include_str!("../styles/lino.toml")),
 ];
 
 impl Style {

@@ -27,6 +27,8 @@ pub enum KnobKind {
     Switch,
     /// One of a few words.
     Choice(&'static [&'static str]),
+    /// Any text, which its user reads further.
+    Text,
 }
 
 /// One row of the table.
@@ -76,6 +78,7 @@ impl Knob {
             KnobKind::Count { min, max } => format!("a whole number from {min} to {max}"),
             KnobKind::Switch => "true or false".into(),
             KnobKind::Choice(words) => format!("one of {}", words.join(", ")),
+            KnobKind::Text => "a text".into(),
         }
     }
 
@@ -97,6 +100,7 @@ impl Knob {
             KnobKind::Choice(words) => {
                 words.iter().find(|w| **w == text).map(|w| Value::Word((*w).into()))
             }
+            KnobKind::Text => Some(Value::Word(text.into())),
         };
         value.ok_or_else(|| Error::setting(self.name, text, self.range()))
     }
@@ -202,6 +206,18 @@ impl KnobValue for bool {
     fn from_value(value: &Value) -> Option<Self> {
         match value {
             Value::Switch(b) => Some(*b),
+            _ => None,
+        }
+    }
+}
+
+impl KnobValue for String {
+    fn to_value(&self) -> Value {
+        Value::Word(self.clone())
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Word(word) => Some(word.clone()),
             _ => None,
         }
     }

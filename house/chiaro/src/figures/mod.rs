@@ -3,6 +3,8 @@
 //! Each figure is rows of cells; all cells of a row share one view of a scene and differ in knobs.
 
 mod chapter3;
+mod comparisons;
+mod films;
 mod plate;
 
 use crate::page::{self, Section};
@@ -13,6 +15,7 @@ use chiaro_basis::{Error, Result, Run, nearest};
 use chiaro_image::codec;
 use chiaro_image::sheet::Sheet;
 use plate::Plate;
+use serde_json::json;
 use std::path::Path;
 
 /// A figure: what it is called, what it shows, and how it is drawn.
@@ -25,13 +28,30 @@ struct Figure {
 }
 
 /// The figures, in the thesis's order.
-const FIGURES: [Figure; 6] = chapter3::FIGURES;
+fn all() -> impl Iterator<Item = &'static Figure> {
+    chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES)
+}
 
-/// Makes the figures called `names`, or all, in `folder`, with a page that shows them.
-pub fn figures(names: &[String], folder: &Path, run: &Run) -> Result<Record> {
+/// The figures that take scenes: every baseline beside ours, and the flicker of films.
+const BASELINES: &str = "baselines";
+const FLICKER: &str = "flicker";
+
+/// Scenes that those are drawn on when none is named.
+const BASELINE_SCENES: [&str; 3] = ["demo:head", "demo:bumpy-torus", "demo:rocks"];
+const FLICKER_SCENES: [&str; 2] = ["demo:head", "demo:bumpy-torus"];
+
+/// Makes the figures called `names`, or all of the thesis's and the baselines, in `folder`, with a
+/// page that shows them. `scenes` are those of the figures that take some.
+pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) -> Result<Record> {
     let mut record = Record::new("figures");
     let mut sections = Vec::new();
-    for figure in chosen(names)? {
+    let (taking, plain): (Vec<&String>, Vec<&String>) =
+        names.iter().partition(|n| [BASELINES, FLICKER].contains(&n.as_str()));
+    let figures = match (names.is_empty(), scenes.is_empty()) {
+        (true, true) => all().collect(),
+        _ => chosen(&plain)?,
+    };
+    for figure in figures {
         run.check()?;
         let mut sheet =
             Sheet::new(figure.columns).title(format!("{} {}", figure.name, figure.title));
@@ -44,19 +64,71 @@ pub fn figures(names: &[String], folder: &Path, run: &Run) -> Result<Record> {
             pictures: vec![(file, figure.title.into())],
         });
     }
-    let intro = "Figures of chapter 3 of Buchholz (2012), remade on scenes built in code.";
+    let named = |name: &str| taking.iter().any(|n| *n == name);
+    if named(BASELINES) || names.is_empty() {
+        sections.push(baselines(scenes, folder, &mut record, run)?);
+    }
+    if named(FLICKER) {
+        sections.push(flicker(scenes, folder, &mut record, run)?);
+    }
+    let intro = "Figures of chapter 3 of Buchholz (2012), remade.";
     let html = page::html("Figures", intro, &sections);
     record.outputs.push(write::whole(&folder.join("index.html"), html.as_bytes())?);
     Ok(record)
 }
 
-fn chosen(names: &[String]) -> Result<Vec<&'static Figure>> {
-    if names.is_empty() {
-        return Ok(FIGURES.iter().collect());
+fn some_or(scenes: &[String], defaults: &[&str]) -> Vec<String> {
+    match scenes {
+        [] => defaults.iter().map(|s| (*s).to_owned()).collect(),
+        some => some.to_vec(),
     }
-    let find = |name: &String| {
-        FIGURES.iter().find(|f| f.name == name).ok_or_else(|| {
-            let known: Vec<&str> = FIGURES.iter().map(|f| f.name).collect();
+}
+
+/// The sheet of all methods, and their measures in the record.
+fn baselines(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> Result<Section> {
+    let scenes = some_or(scenes, &BASELINE_SCENES);
+    let mut sheet = Sheet::new(5).title("baselines").thumbnails(420, 420);
+    let rows = comparisons::baselines(&mut sheet, &scenes, run)?;
+    let file = "figure-baselines.png".to_owned();
+    record.outputs.push(write_sheet(&folder.join(&file), &sheet, run)?);
+    let text = |r: &comparisons::Row| {
+        json!({
+            "scene": r.scene, "method": r.method, "features_beyond_chance": r.share,
+            "islands_under_30px": r.islands,
+        })
+    };
+    record.count("baselines", rows.iter().map(text).collect::<Vec<_>>());
+    Ok(Section {
+        title: "Baselines".into(),
+        text: "Eight other ways to two colours beside ours, with the share of the border on \
+               features beyond chance, (s - c) / (1 - c), and the islands under 30 pixels."
+            .into(),
+        pictures: vec![(file, "baselines".into())],
+    })
+}
+
+/// The sheet of consecutive frames by three methods, and their measures in the record.
+fn flicker(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> Result<Section> {
+    let scenes = some_or(scenes, &FLICKER_SCENES);
+    let mut sheet = Sheet::new(6).title("flicker");
+    let rows = films::flicker(&mut sheet, &scenes, run)?;
+    let file = "figure-flicker.png".to_owned();
+    record.outputs.push(write_sheet(&folder.join(&file), &sheet, run)?);
+    record.count("flicker", rows);
+    Ok(Section {
+        title: "Flicker".into(),
+        text:
+            "Consecutive frames of scenes that turn, that play, and whose light turns: each frame \
+               by its own cut, the blurred weights thresholded, and the film cut along the motion."
+                .into(),
+        pictures: vec![(file, "flicker".into())],
+    })
+}
+
+fn chosen(names: &[&String]) -> Result<Vec<&'static Figure>> {
+    let find = |name: &&String| {
+        all().find(|f| f.name == name.as_str()).ok_or_else(|| {
+            let known: Vec<&str> = all().map(|f| f.name).chain([BASELINES, FLICKER]).collect();
             let hint = nearest(name, known.iter().copied());
             let hint = hint.map(|n| format!("; did you mean {n}?")).unwrap_or_default();
             Error::setting("figure", name, format!("one of {}{hint}", known.join(", ")))

@@ -29,8 +29,14 @@ const FINE_SIGMA: f64 = 4.0;
 /// Covered values that are not finite count as uncovered. A sigma of 0 or less averages nothing.
 /// Panics when the sizes differ.
 pub fn gaussian_masked(plane: &Plane<f32>, mask: &Plane<bool>, sigma: f32) -> Plane<f32> {
-    let weighed = weigh(plane, mask, |v| v.is_finite(), |v| [v, 1.0]);
-    blur(&weighed, sigma).map(|&[sum, weight]| if weight > 0.0 { sum / weight } else { 0.0 })
+    assert_eq!(plane.size(), mask.size(), "a mask has the size of its plane");
+    let line = |y: usize, out: &mut [[f32; 2]]| {
+        for ((out, &v), &covered) in out.iter_mut().zip(plane.row(y)).zip(mask.row(y)) {
+            *out = if covered && v.is_finite() { [v, 1.0] } else { [0.0; 2] };
+        }
+    };
+    let finish = |&[sum, weight]: &[f32; 2]| if weight > 0.0 { sum / weight } else { 0.0 };
+    blur(plane.size(), sigma, line, finish)
 }
 
 /// [`gaussian_masked`] of vectors. An average of unit normals is shorter than 1, and by how much
@@ -40,42 +46,48 @@ pub fn gaussian_masked3(
     mask: &Plane<bool>,
     sigma: f32,
 ) -> Plane<[f32; 3]> {
-    let finite = |v: [f32; 3]| v.iter().all(|c| c.is_finite());
-    let weighed = weigh(plane, mask, finite, |[x, y, z]| [x, y, z, 1.0]);
-    blur(&weighed, sigma).map(
-        |&[x, y, z, weight]| {
-            if weight > 0.0 { [x, y, z].map(|c| c / weight) } else { [0.0; 3] }
-        },
-    )
+    assert_eq!(plane.size(), mask.size(), "a mask has the size of its plane");
+    let line = |y: usize, out: &mut [[f32; 4]]| {
+        for ((out, &[a, b, c]), &covered) in out.iter_mut().zip(plane.row(y)).zip(mask.row(y)) {
+            let fit = covered && a.is_finite() && b.is_finite() && c.is_finite();
+            *out = if fit { [a, b, c, 1.0] } else { [0.0; 4] };
+        }
+    };
+    let finish = |&[a, b, c, weight]: &[f32; 4]| {
+        let scale = if weight > 0.0 { 1.0 / weight } else { 0.0 };
+        [a * scale, b * scale, c * scale]
+    };
+    blur(plane.size(), sigma, line, finish)
 }
 
-/// Values with weight 1 where they are covered and fit, and zeros elsewhere.
-fn weigh<T: Copy + Send + Sync, const C: usize>(
-    plane: &Plane<T>,
-    mask: &Plane<bool>,
-    fit: impl Fn(T) -> bool + Sync + Send,
-    with_weight: impl Fn(T) -> [f32; C] + Sync + Send,
-) -> Plane<[f32; C]> {
-    plane
-        .zip(mask, |&v, &covered| if covered && fit(v) { with_weight(v) } else { [0.0; C] })
-        .expect("a mask has the size of its plane")
-}
-
-/// The Gaussian convolution of a plane that is zero outside.
-fn blur<const C: usize>(plane: &Plane<[f32; C]>, sigma: f32) -> Plane<[f32; C]> {
+/// `finish` of each pixel of the Gaussian convolution of what is zero outside and whose row y `line`
+/// fills in.
+fn blur<const C: usize, T: Clone + Send>(
+    size: (usize, usize),
+    sigma: f32,
+    line: impl Fn(usize, &mut [[f32; C]]) + Sync,
+    finish: impl Fn(&[f32; C]) -> T + Sync,
+) -> Plane<T> {
     // A standard deviation of a million pixels is flat on any picture.
     let sigma = if sigma > 0.0 { f64::from(sigma).min(1e6) } else { 0.0 };
-    if plane.is_empty() || sigma == 0.0 {
-        return plane.clone();
+    if sigma == 0.0 || size.0 * size.1 == 0 {
+        return rows_of(size, |y, sums: &mut [[f32; C]]| line(y, sums), finish);
     }
     if sigma <= FINE_SIGMA {
-        return convolve(plane, &gaussian_taps(sigma * sigma));
+        let taps = gaussian_taps(sigma * sigma);
+        let along_x = convolved_along_x(size, &taps, line);
+        return rows_of(size, |y, sums| convolve_along_y(&along_x, &taps, y, sums), finish);
     }
     let factor = (sigma / FINE_SIGMA).ceil();
-    let variance = (sigma / factor).powi(2) - 0.5;
+    let taps = gaussian_taps((sigma / factor).powi(2) - 0.5);
     let factor = factor as usize;
-    let coarse = convolve(&gather(plane, factor), &gaussian_taps(variance));
-    spread(&coarse, factor, plane.size())
+    let gathered = gather(size, factor, line);
+    let line = |y: usize, out: &mut [[f32; C]]| out.copy_from_slice(gathered.row(y));
+    let along_x = convolved_along_x(gathered.size(), &taps, line);
+    let keep = |sum: &[f32; C]| *sum;
+    let coarse =
+        rows_of(gathered.size(), |y, sums| convolve_along_y(&along_x, &taps, y, sums), keep);
+    spread(&coarse, factor, size, finish)
 }
 
 /// The taps at 0, 1, 2, ... of a Gaussian cut off past four standard deviations, scaled so that
@@ -102,27 +114,45 @@ fn variance_of(taps: &[f64]) -> f64 {
     taps.iter().enumerate().map(|(n, tap)| 2.0 * tap * (n * n) as f64).sum()
 }
 
-/// Convolves with symmetric `taps` along x, then along y, in single precision.
-fn convolve<const C: usize>(plane: &Plane<[f32; C]>, taps: &[f32]) -> Plane<[f32; C]> {
-    let (width, height) = plane.size();
-    let along_x: Plane<[f32; C]> = by_rows(width, height, |y, out| {
-        let row = plane.row(y).as_flattened();
-        add_scaled(out, row, taps[0]);
-        for (n, &tap) in taps.iter().enumerate().skip(1).take_while(|(n, _)| *n < width) {
-            let shift = n * C;
-            add_scaled(&mut out[shift..], row, tap);
-            add_scaled(out, &row[shift..], tap);
-        }
-    });
-    by_rows(width, height, |y, out| {
-        add_scaled(out, along_x.row(y).as_flattened(), taps[0]);
-        for (n, &tap) in taps.iter().enumerate().skip(1) {
-            let rows = [y.checked_sub(n), Some(y + n).filter(|&y| y < height)];
-            for other in rows.into_iter().flatten() {
-                add_scaled(out, along_x.row(other).as_flattened(), tap);
+/// The convolution with symmetric `taps` along x, in single precision, of the rows that `line`
+/// fills in.
+fn convolved_along_x<const C: usize>(
+    (width, height): (usize, usize),
+    taps: &[f32],
+    line: impl Fn(usize, &mut [[f32; C]]) + Sync,
+) -> Plane<[f32; C]> {
+    let mut sums = vec![[0.0; C]; width * height];
+    sums.par_chunks_mut(width.max(1)).enumerate().for_each_init(
+        || vec![[0.0; C]; width],
+        |row, (y, sums)| {
+            line(y, row);
+            let (row, sums) = (row.as_flattened(), sums.as_flattened_mut());
+            add_scaled(sums, row, taps[0]);
+            for (n, &tap) in taps.iter().enumerate().skip(1).take_while(|(n, _)| *n < width) {
+                let shift = n * C;
+                add_scaled(&mut sums[shift..], row, tap);
+                add_scaled(sums, &row[shift..], tap);
             }
+        },
+    );
+    Plane::from_pixels(width, height, sums)
+}
+
+/// Adds row `y` of the convolution with symmetric `taps` along y.
+fn convolve_along_y<const C: usize>(
+    plane: &Plane<[f32; C]>,
+    taps: &[f32],
+    y: usize,
+    sums: &mut [[f32; C]],
+) {
+    let sums = sums.as_flattened_mut();
+    add_scaled(sums, plane.row(y).as_flattened(), taps[0]);
+    for (n, &tap) in taps.iter().enumerate().skip(1) {
+        let rows = [y.checked_sub(n), Some(y + n).filter(|&y| y < plane.height())];
+        for other in rows.into_iter().flatten() {
+            add_scaled(sums, plane.row(other).as_flattened(), tap);
         }
-    })
+    }
 }
 
 /// `sum += weight * values`, as far as both reach.
@@ -132,17 +162,23 @@ fn add_scaled(sum: &mut [f32], values: &[f32], weight: f32) {
     }
 }
 
-/// A plane whose rows, flattened and zero at first, are filled in parallel.
-fn by_rows<const C: usize>(
-    width: usize,
-    height: usize,
-    fill: impl Fn(usize, &mut [f32]) + Sync,
-) -> Plane<[f32; C]> {
-    let mut pixels = vec![[0.0; C]; width * height];
-    pixels
-        .par_chunks_mut(width.max(1))
-        .enumerate()
-        .for_each(|(y, row)| fill(y, row.as_flattened_mut()));
+/// A plane whose rows are summed in parallel, from zero, by `sum`, and then finished.
+fn rows_of<const C: usize, T: Clone + Send>(
+    (width, height): (usize, usize),
+    sum: impl Fn(usize, &mut [[f32; C]]) + Sync,
+    finish: impl Fn(&[f32; C]) -> T + Sync,
+) -> Plane<T> {
+    let mut pixels = vec![finish(&[0.0; C]); width * height];
+    pixels.par_chunks_mut(width.max(1)).enumerate().for_each_init(
+        || vec![[0.0; C]; width],
+        |sums, (y, row)| {
+            sums.fill([0.0; C]);
+            sum(y, sums);
+            for (pixel, sum) in row.iter_mut().zip(sums.iter()) {
+                *pixel = finish(sum);
+            }
+        },
+    );
     Plane::from_pixels(width, height, pixels)
 }
 
@@ -161,49 +197,76 @@ fn cell_count(length: usize, factor: usize) -> usize {
     length.div_ceil(factor) + 2
 }
 
-/// Gathers a plane onto the grid coarser by `factor`: the transpose of [`spread`].
-fn gather<const C: usize>(plane: &Plane<[f32; C]>, factor: usize) -> Plane<[f32; C]> {
-    let (width, height) = plane.size();
-    let (coarse_width, coarse_height) = (cell_count(width, factor), cell_count(height, factor));
-    let along_x: Plane<[f32; C]> = by_rows(coarse_width, height, |y, out| {
-        for (x, pixel) in plane.row(y).iter().enumerate() {
-            let (first, weights) = cells(x, factor);
-            for (cell, weight) in (first..).zip(weights) {
-                add_scaled(&mut out[cell * C..(cell + 1) * C], pixel, weight);
+/// [`cells`] of a row of pixels.
+fn cells_of(length: usize, factor: usize) -> Vec<(usize, [f32; 3])> {
+    (0..length).map(|x| cells(x, factor)).collect()
+}
+
+/// Gathers rows onto the grid coarser by `factor`: the transpose of [`spread`].
+fn gather<const C: usize>(
+    (width, height): (usize, usize),
+    factor: usize,
+    line: impl Fn(usize, &mut [[f32; C]]) + Sync,
+) -> Plane<[f32; C]> {
+    let size = (cell_count(width, factor), cell_count(height, factor));
+    let columns = cells_of(width, factor);
+    let mut along_x = vec![[0.0; C]; size.0 * height];
+    along_x.par_chunks_mut(size.0).enumerate().for_each_init(
+        || vec![[0.0; C]; width],
+        |row, (y, out)| {
+            line(y, row);
+            for (pixel, (first, weights)) in row.iter().zip(&columns) {
+                for (cell, weight) in out[*first..*first + 3].iter_mut().zip(weights) {
+                    for (sum, v) in cell.iter_mut().zip(pixel) {
+                        *sum += weight * v;
+                    }
+                }
             }
-        }
-    });
-    by_rows(coarse_width, coarse_height, |cell, out| {
+        },
+    );
+    let along_x = Plane::from_pixels(size.0, height, along_x);
+    let down = |cell: usize, sums: &mut [[f32; C]]| {
         let rows = (cell.saturating_sub(2) * factor)..((cell + 1) * factor).min(height);
         for y in rows {
             let (first, weights) = cells(y, factor);
-            add_scaled(out, along_x.row(y).as_flattened(), weights[cell - first]);
+            add_scaled(
+                sums.as_flattened_mut(),
+                along_x.row(y).as_flattened(),
+                weights[cell - first],
+            );
         }
-    })
+    };
+    rows_of(size, down, |sum| *sum)
 }
 
-/// Spreads a coarse plane back over `size` pixels.
-fn spread<const C: usize>(
+/// Spreads a coarse plane back over `size` pixels, finished one by one.
+fn spread<const C: usize, T: Clone + Send>(
     coarse: &Plane<[f32; C]>,
     factor: usize,
-    size: (usize, usize),
-) -> Plane<[f32; C]> {
-    let (width, height) = size;
+    (width, height): (usize, usize),
+    finish: impl Fn(&[f32; C]) -> T + Sync,
+) -> Plane<T> {
     // Each pixel is gathered with weights that sum to 1 and spread over factor^2 pixels.
     let scale = 1.0 / (factor * factor) as f32;
-    by_rows(width, height, |y, out| {
-        let mut line = vec![0.0; coarse.width() * C];
-        let (first, weights) = cells(y, factor);
-        for (cell, weight) in (first..).zip(weights) {
-            add_scaled(&mut line, coarse.row(cell).as_flattened(), weight * scale);
-        }
-        for (x, pixel) in out.chunks_exact_mut(C).enumerate() {
-            let (first, weights) = cells(x, factor);
+    let columns = cells_of(width, factor);
+    let mut pixels = vec![finish(&[0.0; C]); width * height];
+    pixels.par_chunks_mut(width).enumerate().for_each_init(
+        || vec![[0.0; C]; coarse.width()],
+        |line, (y, row)| {
+            line.fill([0.0; C]);
+            let (first, weights) = cells(y, factor);
             for (cell, weight) in (first..).zip(weights) {
-                add_scaled(pixel, &line[cell * C..], weight);
+                let from = coarse.row(cell).as_flattened();
+                add_scaled(line.as_flattened_mut(), from, weight * scale);
             }
-        }
-    })
+            for (pixel, (first, [a, b, c])) in row.iter_mut().zip(&columns) {
+                let cells = &line[*first..*first + 3];
+                let mix = |i: usize| a * cells[0][i] + b * cells[1][i] + c * cells[2][i];
+                *pixel = finish(&std::array::from_fn(mix));
+            }
+        },
+    );
+    Plane::from_pixels(width, height, pixels)
 }
 
 #[cfg(test)]
@@ -221,11 +284,17 @@ mod tests {
         Plane::from_fn(width, height, |x, y| random::unit(3, (y * width + x) as u64))
     }
 
+    /// The plain convolution of a plane.
+    fn response(plane: &Plane<[f32; 1]>, sigma: f32) -> Plane<[f32; 1]> {
+        let line = |y: usize, out: &mut [[f32; 1]]| out.copy_from_slice(plane.row(y));
+        blur(plane.size(), sigma, line, |v| *v)
+    }
+
     /// Weight, mean and variance along x of the response to an impulse at (x, y).
     fn moments(sigma: f32, side: usize, x: usize, y: usize) -> (f64, f64, f64) {
         let mut impulse = Plane::filled(side, side, [0.0]);
         impulse[(x, y)] = [1.0];
-        let response = blur(&impulse, sigma);
+        let response = response(&impulse, sigma);
         let mut m = [0.0f64; 3];
         for (i, [v]) in response.pixels().iter().enumerate() {
             assert!(*v >= 0.0);
@@ -259,7 +328,7 @@ mod tests {
         {
             let mut impulse = Plane::filled(side, 1, [0.0]);
             impulse[(x, 0)] = [1.0];
-            let response = blur(&impulse, sigma as f32);
+            let response = response(&impulse, sigma as f32);
             let sum: f64 = response.pixels().iter().map(|[v]| f64::from(*v)).sum();
             let peak = 1.0 / (sigma * std::f64::consts::TAU.sqrt());
             for (i, [v]) in response.pixels().iter().enumerate() {

@@ -1,0 +1,94 @@
+//! Nanoseconds a pixel for the weights of binary shading by part, on one thread.
+//!
+//! The picture is a full-frame relief of rocks at 1 Mpx in the default style. `cargo bench -p
+//! chiaro-binary` prints the best of several runs; `-- 2` takes two threads.
+
+#![allow(clippy::print_stdout)]
+
+use chiaro_basis::Run;
+use chiaro_binary::{
+    BinaryKnobs, Channel, Channels, Features, Graph, Lit, View, compose, expose, mixed_tone,
+    neighbour_factors, outline, shade, terminal, without_islands,
+};
+use chiaro_image::filter;
+use chiaro_scene::demo;
+use chiaro_trace::{GBuffer, Lamp, Surfaces, Tracer, view};
+use std::hint::black_box;
+use std::time::Instant;
+
+const SIDE: usize = 1024;
+
+fn main() {
+    let threads = std::env::args().filter_map(|a| a.parse().ok()).next().unwrap_or(1);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+    let view = rocks();
+    println!("{SIDE} x {SIDE} pixels, threads: {threads}");
+    pool.install(|| report(&view));
+}
+
+/// Times each part.
+fn report(view: &View) {
+    let (knobs, run) = (BinaryKnobs::default(), Run::default());
+    let covered = &view.buffer.covered;
+    let views = std::slice::from_ref(view);
+    let exposure = expose(views, true, &knobs, &run).expect("nobody cancels");
+    let difference = terminal(&view.channels, covered, &exposure, &knobs);
+    let factors = neighbour_factors(&view.buffer, &knobs);
+    let graph = Graph::new(covered, &difference, &factors, &knobs);
+    let labels = graph.solve().expect("weights are small");
+    let steps = shade(view, &exposure, &knobs, true, &run).expect("nobody cancels");
+
+    time("tone", || mixed_tone(&view.channels, covered, &knobs));
+    let all = time("terminal weights, tone included", || {
+        terminal(&view.channels, covered, &exposure, &knobs)
+    });
+    time("mean normals", || {
+        filter::gaussian_masked3(
+            &view.buffer.normal,
+            covered,
+            3.0 * SIDE as f32 / 480.0 / 2f32.sqrt(),
+        )
+    });
+    let geometry =
+        time("neighbour weights, means included", || neighbour_factors(&view.buffer, &knobs));
+    let integers = time("capacities", || Graph::new(covered, &difference, &factors, &knobs));
+    println!("{:<36} {:7.1} ns", "weights in all", all + geometry + integers);
+    time("cut", || graph.solve());
+    time("islands", || without_islands(&labels.white, covered, 30.0));
+    time("lines", || {
+        let features = Features::find(&view.buffer, &knobs);
+        outline(&features, &steps.white, covered, true, &knobs)
+    });
+    time("draw", || compose(&steps.region, covered, &steps.lines, &knobs));
+}
+
+/// The best of several runs, in nanoseconds a pixel.
+fn time<T>(part: &str, work: impl Fn() -> T) -> f64 {
+    let mut best = f64::INFINITY;
+    for _ in 0..7 {
+        let start = Instant::now();
+        black_box(work());
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    let ns = best * 1e9 / (SIDE * SIDE) as f64;
+    println!("{part:<36} {ns:7.1} ns");
+    ns
+}
+
+fn rocks() -> View {
+    let run = Run::default();
+    let scene = demo::scene("rocks").expect("a demo scene");
+    let playback = scene.playback(&chiaro_scene::Choice::Auto).expect("it has clips or none").0;
+    let frame = chiaro_scene::Poser::new(&scene).frame(0.0, &playback);
+    let tracer = Tracer::new(&scene, &frame);
+    let surfaces = Surfaces::new(&scene);
+    let framing = view::Framing::of(&tracer, std::slice::from_ref(&frame));
+    let (pose, _) = framing.view(1.0, 0.0);
+    let buffer = GBuffer::trace(&tracer, &surfaces, &pose, (SIDE, SIDE), &run).expect("no cancel");
+    let lamps = [Lamp::key(&pose)];
+    let lit = Lit { tracer: &tracer, surfaces: &surfaces, buffer: &buffer, lamps: &lamps };
+    let knobs = BinaryKnobs::default();
+    let wanted = |c: Channel| c.is_used(&knobs);
+    let channels = Channels::render(&lit, wanted, &knobs, true, &run).expect("no cancel");
+    View { buffer, channels }
+}

@@ -1,0 +1,258 @@
+//! Films (section 3.8, which the thesis leaves open): labels that agree along the motion.
+//!
+//! The graph of a frame is joined to the one before by edges along the exact motion of each
+//! material point ([`links`](chiaro_trace::links)), each worth `coherence` times N~, and the volume
+//! is cut. A film is cut in windows of a few frames, so that memory is bounded:
+//!
+//! 1. The shot is divided into blocks of [`BLOCK`] frames. The first frame of a block is a *key*:
+//!    it is labelled by the cut of the window centred on it, and so depends on those frames alone.
+//! 2. Within a block each frame is labelled by the cut of the window that begins with it, the frame
+//!    before being settled. Where the window reaches the next key, that is settled too.
+//! 3. What was cut is settled: pieces under the smallest island, and new pieces that would be gone
+//!    within the window, take the colour around them. The next window starts from that, so that
+//!    what was removed does not come back by itself.
+//!
+//! Guaranteed: a frame's labels depend on its block, its keys and their windows alone, so that any
+//! part of a film has the bytes of the whole. Not guaranteed: the least energy over the whole
+//! volume; the past is settled when the future is cut.
+
+use crate::cut::{Graph, Labels};
+use crate::island::without_islands;
+use crate::knob::BinaryKnobs;
+use crate::window::{Known, cut_window};
+use chiaro_basis::{Result, Run};
+use chiaro_image::Plane;
+use chiaro_image::labels::{UNCOVERED, components};
+use chiaro_trace::UNLINKED;
+use std::collections::{BTreeMap, VecDeque};
+use std::ops::Range;
+
+/// Frames from one key to the next.
+pub const BLOCK: usize = 16;
+
+/// A frame of a film as its cut needs it.
+pub struct Cel {
+    /// The frame's own graph.
+    pub graph: Graph,
+    /// For each pixel the pixel of the frame before that shows the same material point, or
+    /// [`UNLINKED`].
+    pub links: Plane<u32>,
+    /// The minimal cut of the frame's own graph.
+    pub alone: Labels,
+}
+
+impl Cel {
+    /// A frame with its own cut.
+    pub fn new(graph: Graph, links: Plane<u32>) -> Result<Self> {
+        let alone = graph.solve()?;
+        Ok(Self { graph, links, alone })
+    }
+}
+
+/// Which frames are cut together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Frames of the shot.
+    pub frames: usize,
+    /// Frames of a window.
+    pub window: usize,
+}
+
+impl Plan {
+    /// The block that holds a frame.
+    pub fn block(&self, frame: usize) -> Range<usize> {
+        let key = frame / BLOCK * BLOCK;
+        key..(key + BLOCK).min(self.frames)
+    }
+
+    /// The frames that a key is cut with.
+    fn around(&self, key: usize) -> Range<usize> {
+        let reach = self.window / 2;
+        key.saturating_sub(reach)..(key + self.window - reach).min(self.frames)
+    }
+
+    /// The frames without which a block cannot be labelled.
+    pub fn needed(&self, block: &Range<usize>) -> Range<usize> {
+        let last = if block.end < self.frames { self.around(block.end).end } else { block.end };
+        self.around(block.start).start..last
+    }
+}
+
+/// What takes a labelled frame: its place in the shot, its cel, its labels.
+pub type Done<'a, C> = dyn FnMut(usize, &C, &Plane<bool>) -> Result<()> + 'a;
+
+/// A film being labelled, block after block.
+pub struct Film<'a, C> {
+    plan: Plan,
+    knobs: &'a BinaryKnobs,
+    /// Frames at hand, from `first` on.
+    cels: VecDeque<C>,
+    first: usize,
+    /// Labels of keys that were cut already.
+    keys: BTreeMap<usize, Plane<bool>>,
+}
+
+impl<'a, C: AsRef<Cel>> Film<'a, C> {
+    /// A film of which nothing is labelled yet.
+    pub fn new(plan: Plan, knobs: &'a BinaryKnobs) -> Self {
+        Self { plan, knobs, cels: VecDeque::new(), first: 0, keys: BTreeMap::new() }
+    }
+
+    /// Labels the frames of a block in order and hands each to `done` with its cel. `fetch` makes
+    /// the cel of a frame; it is asked for consecutive frames, or for the first one needed when
+    /// blocks were left out. Blocks come in order.
+    pub fn label(
+        &mut self,
+        block: &Range<usize>,
+        fetch: &mut dyn FnMut(usize) -> Result<C>,
+        done: &mut Done<'_, C>,
+        run: &Run,
+    ) -> Result<()> {
+        let needed = self.plan.needed(block);
+        if self.first + self.cels.len() < needed.start {
+            self.cels.clear();
+            self.first = needed.start;
+        }
+        let mut before = self.key(block.start, fetch, run)?;
+        self.forget(block.start);
+        done(block.start, self.cel(block.start), &before)?;
+        for t in block.start + 1..block.end {
+            let end = (t + self.plan.window).min(block.end);
+            let reaches_key = t + self.plan.window > block.end && block.end < self.plan.frames;
+            let key = match reaches_key {
+                true => Some(self.key(block.end, fetch, run)?),
+                false => None,
+            };
+            self.gather(end, fetch)?;
+            self.forget(t);
+            let labels = self.next(t..end, &before, key.as_ref(), run)?;
+            done(t, self.cel(t), &labels)?;
+            before = labels;
+        }
+        self.keys.retain(|k, _| *k >= block.end);
+        Ok(())
+    }
+
+    /// The labels of a key.
+    fn key(
+        &mut self,
+        key: usize,
+        fetch: &mut dyn FnMut(usize) -> Result<C>,
+        run: &Run,
+    ) -> Result<Plane<bool>> {
+        if let Some(labels) = self.keys.get(&key) {
+            return Ok(labels.clone());
+        }
+        let around = self.plan.around(key);
+        self.gather(around.end, fetch)?;
+        let labels = self.cut(around.clone(), &Known::default(), run)?;
+        let graph = &self.cel(key).as_ref().graph;
+        let settled = without_islands(
+            &labels[key - around.start],
+            &graph.mask,
+            self.knobs.island_area(graph.mask.height()),
+        );
+        self.keys.insert(key, settled.clone());
+        Ok(settled)
+    }
+
+    /// The labels of the first frame of a window, the one before it being settled.
+    fn next(
+        &self,
+        window: Range<usize>,
+        before: &Plane<bool>,
+        key: Option<&Plane<bool>>,
+        run: &Run,
+    ) -> Result<Plane<bool>> {
+        let after = key.map(|labels| (&self.cel(window.end).as_ref().links, labels));
+        let known = Known { before: Some(before), after };
+        let labels = self.cut(window.clone(), &known, run)?;
+        let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
+        let area = self.knobs.island_area(labels[0].height());
+        Ok(settled(&labels, &cels, before, area))
+    }
+
+    fn cut(&self, window: Range<usize>, known: &Known, run: &Run) -> Result<Vec<Plane<bool>>> {
+        let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
+        run.check()?;
+        let pixels = cels.iter().map(|c| c.graph.mask.len() as u64).sum();
+        run.stage("cut", pixels, || cut_window(&cels, known, self.knobs))
+    }
+
+    fn cel(&self, frame: usize) -> &C {
+        &self.cels[frame - self.first]
+    }
+
+    fn gather(&mut self, end: usize, fetch: &mut dyn FnMut(usize) -> Result<C>) -> Result<()> {
+        while self.first + self.cels.len() < end {
+            let next = fetch(self.first + self.cels.len())?;
+            self.cels.push_back(next);
+        }
+        Ok(())
+    }
+
+    /// Lets go of the frames before one, but for those that the next key needs.
+    fn forget(&mut self, frame: usize) {
+        while self.first < frame {
+            self.cels.pop_front();
+            self.first += 1;
+        }
+    }
+}
+
+/// The labels of the first frame of a window without specks, neither those of a small area nor
+/// those of a short life: a piece that is new and of which less than half is left at the window's
+/// end, or at any frame on the way, is taken away at once.
+fn settled(labels: &[Plane<bool>], cels: &[&Cel], before: &Plane<bool>, area: f32) -> Plane<bool> {
+    let mask = &cels[0].graph.mask;
+    let clean = without_islands(&labels[0], mask, area);
+    if area <= 0.0 {
+        return clean;
+    }
+    let pieces = components(&clean, mask);
+    let count = pieces.pieces.len();
+    let is_new = mostly_new(&pieces.ids, &clean, cels[0], before, count);
+    if !is_new.contains(&true) {
+        return clean;
+    }
+    let mut lasts = vec![true; count];
+    let mut owner = pieces.ids.clone();
+    for (cel, labels) in cels.iter().zip(labels).skip(1) {
+        let (mut kept, mut seen) = (vec![0u32; count], vec![0u32; count]);
+        let from = owner;
+        owner =
+            cel.links.map(|&l| if l == UNLINKED { UNCOVERED } else { from.pixels()[l as usize] });
+        for (id, white) in owner.pixels().iter().zip(labels.pixels()) {
+            if *id != UNCOVERED {
+                seen[*id as usize] += 1;
+                kept[*id as usize] += u32::from(*white == pieces.pieces[*id as usize].label);
+            }
+        }
+        for id in 0..count {
+            lasts[id] &= 2 * kept[id] >= seen[id];
+        }
+    }
+    let flips = |id: usize| is_new[id] && !lasts[id] && pieces.pieces[id].touches_other;
+    let out = pieces
+        .ids
+        .zip(&clean, |id, w| if *id == UNCOVERED { *w } else { *w != flips(*id as usize) });
+    without_islands(&out.expect("pieces have the picture's size"), mask, area)
+}
+
+/// For each piece whether most of its pixels that were seen before had the other label.
+fn mostly_new(
+    ids: &Plane<u32>,
+    white: &Plane<bool>,
+    cel: &Cel,
+    before: &Plane<bool>,
+    count: usize,
+) -> Vec<bool> {
+    let (mut new, mut seen) = (vec![0u32; count], vec![0u32; count]);
+    for ((id, link), white) in ids.pixels().iter().zip(cel.links.pixels()).zip(white.pixels()) {
+        if *id != UNCOVERED && *link != UNLINKED {
+            seen[*id as usize] += 1;
+            new[*id as usize] += u32::from(before.pixels()[*link as usize] != *white);
+        }
+    }
+    new.iter().zip(&seen).map(|(n, s)| *s > 0 && 4 * n > 3 * s).collect()
+}
