@@ -84,7 +84,7 @@ fn first_white(grid: &Grid, first: i64, members: u32) -> Vec<u32> {
     let start = (0..intervals.len()).map(|p| pull(p, middle([0, members])) as i32);
     let terminal: Vec<[i32; 2]> = start.map(|p| [p.max(0), (-p).max(0)]).collect();
     let start = Grid { terminal: &terminal, ..*grid };
-    let (mut search, _) = solved::<i32>(&start).expect("a checked grid fits 32 bits");
+    let (mut search, _) = solved::<i32>(&start, 1).expect("a checked grid fits 32 bits");
     loop {
         part(grid, &mut search, &intervals);
         if !halve(grid, &mut search, &mut intervals, &pull) {

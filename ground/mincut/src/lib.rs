@@ -55,6 +55,7 @@
 //! their paths are short.
 
 mod around;
+mod bands;
 mod capacity;
 mod certificate;
 mod chain;
@@ -66,6 +67,7 @@ mod lattice;
 mod network;
 mod orphans;
 mod planes;
+mod prefetch;
 mod proof;
 mod repair;
 mod residual;
@@ -109,31 +111,37 @@ pub struct Cut {
 /// A slice of the wrong length, a negative capacity, or a grid beyond [`MAX_PIXELS`] or
 /// [`MAX_NEIGHBOUR`].
 pub fn solve(grid: &Grid) -> Result<Cut, GridError> {
+    solve_on(grid, 1)
+}
+
+/// Finds the canonical minimal cut of `grid` on up to `threads` threads: the same bytes for any
+/// number of them.
+///
+/// # Errors
+/// See [`solve`].
+pub fn solve_on(grid: &Grid, threads: usize) -> Result<Cut, GridError> {
     grid.check()?;
     if grid.mask.is_empty() {
         return Ok(Cut { labels: Vec::new(), flow: 0, cut: 0 });
     }
     let cut = |(search, constant)| read::<i16>(grid, &search, constant);
-    let small = solved(grid).map(cut);
+    let small = solved(grid, threads).map(cut);
     let large = |(search, constant)| read::<i32>(grid, &search, constant);
-    Ok(small.or_else(|| solved(grid).map(large)).expect("a checked grid fits 32 bits"))
+    Ok(small.or_else(|| solved(grid, threads).map(large)).expect("a checked grid fits 32 bits"))
 }
 
 /// The finished search, and what its flow is less than; `None` if a value is too large for `C`.
-fn solved<C: Capacity>(grid: &Grid) -> Option<(Search<Residual<C>>, i64)> {
+fn solved<C: Capacity>(grid: &Grid, threads: usize) -> Option<(Search<Residual<C>>, i64)> {
     let mut planes = Planes::<C>::read(grid)?;
     chain::route(&mut planes);
     let constant = planes.direct + planes.supply;
-    let mut search = Search::new(Residual::new(planes));
-    search.run()?;
-    Some((search, constant))
+    Some((bands::run(Residual::new(planes), threads)?, constant))
 }
 
 /// Reads the cut of a finished search.
 fn read<C: Capacity>(grid: &Grid, search: &Search<Residual<C>>, constant: i64) -> Cut {
-    let rows = (0..grid.height).map(|y| search.network.at(0, y));
-    let labels = rows.flat_map(|row| row..row + grid.width).map(|v| search.is_white(v));
-    let labels: Vec<bool> = labels.collect();
+    let rows = (0..grid.height).map(|y| &search.label[search.network.row(y)]);
+    let labels: Vec<bool> = rows.flatten().map(|label| label.get() > 0).collect();
     let (flow, cut) = (constant - search.left, energy(grid, &labels));
     debug_assert_eq!(flow, cut, "a maximal flow equals its cut");
     Cut { labels, flow, cut }

@@ -75,6 +75,10 @@ pub(crate) trait Network: Send {
     /// Moves `amount` from `v` over its arc `a`; whether that closes the arc.
     fn push(&mut self, v: usize, a: Self::Arc, amount: i64) -> bool;
 
+    /// Starts to fetch what a step at `v` will read.
+    #[inline(always)]
+    fn prefetch(&self, _label: &[Self::Label], _v: usize) {}
+
     /// The lowest distance among the nodes of the tree that could be the parent of `v`, and the arc
     /// of `v` to that node.
     fn lowest<T: Side>(&self, label: &[Self::Label], v: usize) -> Option<(i32, Self::Arc)>;

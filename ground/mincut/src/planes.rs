@@ -83,14 +83,7 @@ impl<C: Capacity> Planes<C> {
             if nodes[0][x + 1] == C::default() {
                 continue;
             }
-            let mut difference = white - black;
-            if difference.abs() > C::LIMIT {
-                let reach = reach(grid, x, y) + 1;
-                difference = difference.clamp(-reach, reach);
-                if reach > C::LIMIT {
-                    return None;
-                }
-            }
+            let difference = bounded::<C>(grid, x, y, white - black)?;
             sums[0] += i64::from(white.min(black));
             sums[1] += i64::from(difference.max(0));
             *excess = C::of(difference);
@@ -99,6 +92,21 @@ impl<C: Capacity> Planes<C> {
         self.supply += sums[1];
         Some(())
     }
+}
+
+/// The difference of the terminals of pixel (x, y), kept to what may ever flow through the pixel and
+/// one more if the type does not take it; `None` if it does not take that either.
+pub(crate) fn bounded<C: Capacity>(
+    grid: &Grid,
+    x: usize,
+    y: usize,
+    difference: i32,
+) -> Option<i32> {
+    if difference.abs() <= C::LIMIT {
+        return Some(difference);
+    }
+    let reach = reach(grid, x, y) + 1;
+    (reach <= C::LIMIT).then(|| difference.clamp(-reach, reach))
 }
 
 /// Marks the pixels of row `y` with all bits set if they are nodes, framed by one pixel; a row

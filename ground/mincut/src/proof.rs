@@ -56,10 +56,10 @@ pub fn solve_flow(grid: &Grid) -> Result<(Cut, Vec<[i32; 4]>), GridError> {
 }
 
 fn flow<C: Capacity>(grid: &Grid) -> Option<(Cut, Vec<[i32; 4]>)> {
-    let (search, constant) = solved::<C>(grid)?;
+    let (search, constant) = solved::<C>(grid, 1)?;
     let mut links = vec![[0; 4]; grid.mask.len()];
     for (pixel, link, _) in edges(&grid.into()) {
-        let node = search.network.at(pixel % grid.width, pixel / grid.width);
+        let node = search.network.row(pixel / grid.width).start + pixel % grid.width;
         links[pixel][link] = grid.neighbour[pixel][link] - search.network.link(node, link);
     }
     Some((crate::read(grid, &search, constant), links))

@@ -7,12 +7,18 @@ use crate::around::{STEPS, around, children, lowest, opposite, zero};
 use crate::capacity::Capacity;
 use crate::network::{Network, Side};
 use crate::planes::{PLANES, Planes, RECORD, split};
+use crate::prefetch::prefetch;
 use crate::repair::Mutable;
+use std::ops::Range;
 
 /// Where the excess is in a record: from the white terminal if positive, to the black one if negative.
 const EXCESS: usize = 8;
 /// Where the open arcs are: a set of directions for those that arrive, above it one for those that leave.
 const ARCS: usize = 9;
+
+/// The directions to the row above and to the row below.
+const NORTHWARD: i32 = 0b0000_0111;
+const SOUTHWARD: i32 = 0b0111_0000;
 
 /// The directions of the links: east, south-east, south, south-west.
 const LINKS: [u8; 4] = [3, 4, 5, 6];
@@ -61,9 +67,62 @@ impl<C: Capacity> Residual<C> {
         Self { width, records, offset: offsets(stride) }
     }
 
-    /// Where pixel `x` of row `y` is.
-    pub(crate) fn at(&self, x: usize, y: usize) -> usize {
-        (y + 1) * self.stride() + 1 + x
+    /// The number of picture rows.
+    pub(crate) fn height(&self) -> usize {
+        (self.records.len() - 2) / self.stride() - 2
+    }
+
+    /// Where row `y` is.
+    pub(crate) fn row(&self, y: usize) -> Range<usize> {
+        let start = (y + 1) * self.stride() + 1;
+        start..start + self.width
+    }
+
+    /// The rows `rows` as a grid of their own: no arc leads out of it.
+    pub(crate) fn band(&self, rows: Range<usize>) -> Self {
+        let mut band = Self::empty(self.width, rows.len());
+        band.place_rows(self, rows.clone(), 0);
+        for (y, open) in
+            [(0, !(NORTHWARD | NORTHWARD << 8)), (rows.len() - 1, !(SOUTHWARD | SOUTHWARD << 8))]
+        {
+            for v in band.row(y) {
+                let arcs = &mut band.records[v][ARCS];
+                *arcs = C::of(arcs.get() & open);
+            }
+        }
+        band
+    }
+
+    /// Puts the rows of a band in their place, from row `row` on.
+    pub(crate) fn place(&mut self, band: &Self, row: usize) {
+        self.place_rows(band, 0..band.height(), row);
+    }
+
+    fn place_rows(&mut self, from: &Self, rows: Range<usize>, row: usize) {
+        let height = rows.len();
+        let source = &from.records[from.row(rows.start).start..from.row(rows.end - 1).end];
+        let to = self.row(row).start..self.row(row + height - 1).end;
+        self.records[to].copy_from_slice(source);
+    }
+
+    /// Opens the arcs between the rows `row - 1` and `row` that have something left.
+    pub(crate) fn open_seam(&mut self, row: usize) {
+        for v in self.row(row) {
+            for d in [0, 1, 2] {
+                let w = self.neighbour(v, d);
+                let forth = self.records[v][d] > C::default();
+                let back = self.records[w][opposite(d)] > C::default();
+                self.open(v, d, [forth, back]);
+                self.open(w, opposite(d), [back, forth]);
+            }
+        }
+    }
+
+    /// Notes whether the arc `d` of `v` leaves and the one back arrives.
+    fn open(&mut self, v: usize, d: usize, [leaves, arrives]: [bool; 2]) {
+        let arcs = &mut self.records[v][ARCS];
+        let bits = i32::from(leaves) << 8 | i32::from(arrives);
+        *arcs = C::of(arcs.get() & !(0x101 << d) | bits << d);
     }
 
     /// What is left on a link of `v`: to the east, south-east, south, south-west.
@@ -155,6 +214,14 @@ impl<C: Capacity> Network for Residual<C> {
     }
 
     #[inline(always)]
+    fn prefetch(&self, label: &[C], v: usize) {
+        prefetch(&self.records, v);
+        for row in [v - self.stride(), v, v + self.stride()] {
+            prefetch(label, row);
+        }
+    }
+
+    #[inline(always)]
     fn lowest<T: Side>(&self, label: &[C], v: usize) -> Option<(i32, u8)> {
         let distances = around(label, v, self.stride()).map(T::distance);
         lowest(distances, self.away::<T::Other>(v)).map(|(distance, d)| (distance, d as u8))
@@ -192,11 +259,23 @@ impl<C: Capacity> Network for Residual<C> {
     }
 }
 
+impl Residual<i16> {
+    /// The same grid in 32 bits.
+    pub(crate) fn widened(self) -> Residual<i32> {
+        let wide = |record: [i16; RECORD]| record.map(i32::from);
+        Residual {
+            width: self.width,
+            records: self.records.into_iter().map(wide).collect(),
+            offset: self.offset,
+        }
+    }
+}
+
 impl Mutable for Residual<i32> {
     const BOUND: i64 = i32::LIMIT as i64;
 
     fn node(&self, pixel: usize) -> usize {
-        self.at(pixel % self.width, pixel / self.width)
+        self.row(pixel / self.width).start + pixel % self.width
     }
 
     fn arc(&self, _: usize, link: usize) -> Option<u8> {
@@ -212,10 +291,9 @@ impl Mutable for Residual<i32> {
         for (v, d, residual, arriving) in
             [(v, d, residuals[0], residuals[1]), (w, back, residuals[1], residuals[0])]
         {
-            let record = &mut self.records[v];
-            record[usize::from(d)] = residual as i32;
-            let bits = i32::from(residual > 0) << 8 | i32::from(arriving > 0);
-            record[ARCS] = record[ARCS] & !(0x101 << d) | bits << d;
+            let d = usize::from(d);
+            self.records[v][d] = residual as i32;
+            self.open(v, d, [residual > 0, arriving > 0]);
         }
     }
 

@@ -30,6 +30,9 @@ use crate::orphans::Orphans;
 /// How much farther than its parent a node is put when a tree grows.
 pub(crate) const GAP: i32 = 2;
 
+/// How many nodes ahead of growth memory is fetched; 4 to 16 are alike.
+const AHEAD: usize = 8;
+
 /// One of the two trees: what is to grow and who lost its parent, by distance.
 pub(crate) struct Tree<A> {
     /// The level that has grown last; all below have.
@@ -83,10 +86,16 @@ pub(crate) struct Search<N: Network> {
 impl<N: Network> Search<N> {
     /// Makes every node with excess a root.
     pub(crate) fn new(network: N) -> Self {
-        let trees = Default::default();
-        let mut search = Self { network, label: Vec::new(), parent: Vec::new(), trees, left: 0 };
+        let mut search = Self::unrooted(network);
         search.restart();
         search
+    }
+
+    /// Leaves every node free.
+    pub(crate) fn unrooted(network: N) -> Self {
+        let label = vec![N::Label::default(); network.len()];
+        let parent = vec![N::NONE; network.len()];
+        Self { network, label, parent, trees: Default::default(), left: 0 }
     }
 
     /// Forgets the trees, not the flow.
@@ -146,7 +155,10 @@ impl<N: Network> Search<N> {
         }
         let spare = std::mem::take(&mut tree.spare);
         let mut active = std::mem::replace(&mut tree.active[slot], spare);
-        for &v in &active {
+        for (n, &v) in active.iter().enumerate() {
+            if let Some(&soon) = active.get(n + AHEAD) {
+                self.network.prefetch(&self.label, soon as usize);
+            }
             if self.distance::<T>(v as usize) == level {
                 self.grow::<T>(v as usize);
             }

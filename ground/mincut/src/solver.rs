@@ -8,11 +8,14 @@
 //! Memory: 53 bytes a pixel for four or eight neighbours in one frame; for `N` neighbours in any
 //! number of frames `4 N + 24`, and 24 more with links in time.
 
-use crate::grid::GridError;
-use crate::lattice::{Lattice, Neighbours, check_link, neighbour};
+use crate::capacity::Capacity;
+use crate::grid::{Grid, GridError};
+use crate::lattice::{Lattice, Links, Neighbours, check_link, neighbour};
+use crate::planes::bounded;
 use crate::repair::Mutable;
 use crate::residual::Residual;
 use crate::search::Search;
+use crate::solved;
 use crate::stencil::Stencil;
 
 /// A solved lattice whose capacities can be changed.
@@ -58,7 +61,12 @@ impl Solver {
             supply: 0,
             labels: vec![false; lattice.pixels()],
         };
-        solver.load(lattice);
+        match lattice.neighbours {
+            Neighbours::Eight(Links::Symmetric(neighbour)) if is_flat(lattice) => {
+                solver.load_grid(lattice, neighbour);
+            }
+            _ => solver.load(lattice),
+        }
         solver.solve();
         Ok(solver)
     }
@@ -76,6 +84,19 @@ impl Solver {
             }
         }
         self.engine.restart();
+    }
+
+    /// Takes a grid up solved, in the fast form for it.
+    fn load_grid(&mut self, lattice: &Lattice, neighbour: &[[i32; 4]]) {
+        let mut terminal = vec![[0; 2]; self.mask.len()];
+        for pixel in (0..self.mask.len()).filter(|&pixel| lattice.mask[pixel]) {
+            let [direct, difference] = self.stated(pixel);
+            self.count(direct, difference);
+            terminal[pixel] = [difference.max(0) as i32, (-difference).max(0) as i32];
+        }
+        let (width, height, mask) = (lattice.width, lattice.height, lattice.mask);
+        let search = taken_up(&Grid { width, height, mask, terminal: &terminal, neighbour });
+        self.engine = Box::new(Warm { search, touched: Vec::new() });
     }
 
     /// Whether the pixels' labels are white, in the lattice's order, as of the last
@@ -101,7 +122,7 @@ impl Solver {
     /// Solves again after changes; the flow.
     pub fn solve(&mut self) -> i64 {
         self.engine.run();
-        self.engine.read_labels(&mut self.labels);
+        self.engine.read_labels(&mut self.labels, self.width);
         self.flow()
     }
 
@@ -208,12 +229,33 @@ impl Solver {
     }
 }
 
+fn is_flat(lattice: &Lattice) -> bool {
+    lattice.frames == 1 && lattice.time.is_empty() && !lattice.mask.is_empty()
+}
+
+/// Solves a grid that is within bounds, in 16 bits if it fits.
+fn taken_up(grid: &Grid) -> Search<Residual<i32>> {
+    let Some((narrow, _)) = solved::<i16>(grid, 1) else {
+        return solved::<i32>(grid, 1).expect("a checked grid fits 32 bits").0;
+    };
+    let mut search = narrow.widened();
+    for (pixel, &[white, black]) in grid.terminal.iter().enumerate() {
+        let (x, y) = (pixel % grid.width, pixel / grid.width);
+        let (stated, taken) = (white - black, bounded::<i16>(grid, x, y, white - black));
+        if taken != Some(stated) && grid.mask[pixel] {
+            // A root that no flow uses up is given what 16 bits did not hold.
+            let rest = stated - taken.expect("16 bits sufficed");
+            search.change_excess(search.network.node(pixel), i64::from(rest));
+        }
+    }
+    search
+}
+
 /// The smallest engine for a lattice, without any capacity.
 fn engine(lattice: &Lattice) -> Box<dyn Engine> {
-    let flat = lattice.frames == 1 && lattice.time.is_empty();
     match lattice.neighbours {
         Neighbours::Four(_) => Box::new(Warm::new(Stencil::<4>::empty(lattice))),
-        Neighbours::Eight(_) if flat => {
+        Neighbours::Eight(_) if is_flat(lattice) => {
             Box::new(Warm::new(Residual::empty(lattice.width, lattice.height)))
         }
         Neighbours::Eight(_) => Box::new(Warm::new(Stencil::<8>::empty(lattice))),
@@ -239,8 +281,8 @@ trait Engine: Send {
     fn run(&mut self);
     /// All positive excess.
     fn left(&self) -> i64;
-    /// Reads whether each pixel is white.
-    fn read_labels(&self, labels: &mut [bool]);
+    /// Reads whether each pixel is white, `width` pixels a row.
+    fn read_labels(&self, labels: &mut [bool], width: usize);
 }
 
 /// A search and what was changed since it ran.
@@ -311,9 +353,12 @@ impl<N: Mutable> Engine for Warm<N> {
         self.search.left
     }
 
-    fn read_labels(&self, labels: &mut [bool]) {
-        for (pixel, label) in labels.iter_mut().enumerate() {
-            *label = self.search.is_white(self.search.network.node(pixel));
+    fn read_labels(&self, labels: &mut [bool], width: usize) {
+        for (row, labels) in labels.chunks_mut(width.max(1)).enumerate() {
+            let first = self.search.network.node(row * width);
+            for (label, at) in labels.iter_mut().zip(&self.search.label[first..]) {
+                *label = at.get() > 0;
+            }
         }
     }
 }

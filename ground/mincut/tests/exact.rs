@@ -2,7 +2,7 @@
 
 mod oracle;
 
-use chiaro_mincut::{Grid, GridError, MAX_NEIGHBOUR, MAX_PIXELS, energy, solve};
+use chiaro_mincut::{Grid, GridError, MAX_NEIGHBOUR, MAX_PIXELS, energy, solve, solve_on};
 use proptest::prelude::*;
 
 /// A grid that owns its capacities.
@@ -105,6 +105,25 @@ fn wide_textures_with_long_paths_match_the_oracle() {
             problem.mask[i] = noise(x / 4, y / 4, seed + 40) % 10 != 0;
         }
         problem.agrees();
+    }
+}
+
+#[test]
+fn bands_on_any_number_of_threads_give_the_same_cut() {
+    for (seed, cell, bond) in [(1, 1, 60), (2, 5, 60), (3, 40, 200), (4, 90, 20_000)] {
+        let (width, height) = (11, 300);
+        let mut problem = Problem::uniform(width, height, [0, 0], 0);
+        for i in 0..problem.mask.len() {
+            let (x, y) = (i % width, i / width);
+            problem.terminal[i] = [0, 1].map(|k| noise(x / cell, y / cell, seed + 10 * k) % 90);
+            problem.neighbour[i] = [0, 1, 2, 3].map(|k| noise(x, y, seed + 20 + k) % bond);
+            problem.mask[i] = noise(x / 4, y / 4, seed + 40) % 10 != 0;
+        }
+        problem.agrees();
+        let one = solve(&problem.grid()).unwrap();
+        for threads in [0, 2, 3, 8, 1000] {
+            assert_eq!(solve_on(&problem.grid(), threads).unwrap(), one);
+        }
     }
 }
 
