@@ -73,7 +73,7 @@ fn returned<C: Capacity>(excess: C, flow: C) -> C {
 
 /// Sweeps all lines that go down by one row and aside by `step` at once, down and back up.
 fn route_lines<C: Capacity>(planes: &mut Planes<C>, link: usize, step: isize) {
-    let (width, height) = (planes.width, planes.height);
+    let height = planes.height;
     for y in 1..height {
         let (upper, excess) = pair(planes, y, link, step);
         push_down(upper, excess);
@@ -82,7 +82,6 @@ fn route_lines<C: Capacity>(planes: &mut Planes<C>, link: usize, step: isize) {
         let (upper, excess) = pair(planes, y, link, step);
         give_back(upper, excess);
     }
-    let _ = width;
 }
 
 /// The excess, capacity and flow of the pixels of row `y - 1` that have a link, and the excess of

@@ -50,7 +50,7 @@
 //! Guaranteed: the cut is minimal, `flow == cut`, and among several minimal cuts the result is the
 //! canonical one, whose white pixels are exactly those the white terminal still reaches in the
 //! residual graph. That set is the same for every maximal flow, so any other exact solver with the
-//! same rule returns the same bits. Nothing recurses, and capacities are bounded so that no sum
+//! same rule returns the same bits, and so does [`solve_on`] on any number of threads. Nothing recurses, and capacities are bounded so that no sum
 //! overflows. Not guaranteed: a running time better than polynomial; pictures are fast because
 //! their paths are short.
 

@@ -30,7 +30,7 @@ use crate::orphans::Orphans;
 /// How much farther than its parent a node is put when a tree grows.
 pub(crate) const GAP: i32 = 2;
 
-/// How many nodes ahead of growth memory is fetched; 4 to 16 are alike.
+/// How many nodes ahead of growth memory is fetched.
 const AHEAD: usize = 8;
 
 /// One of the two trees: what is to grow and who lost its parent, by distance.

@@ -5,8 +5,8 @@
 //! costs what the stroke moves, not what the picture holds. Whatever was changed before, in
 //! whatever order, flow and labels are those of a fresh solution, for both are unique.
 //!
-//! Memory: 53 bytes a pixel for four or eight neighbours in one frame; for `N` neighbours in any
-//! number of frames `4 N + 24`, and 24 more with links in time.
+//! Memory: 56 bytes a pixel for eight neighbours in one frame; else `4 N + 27` for `N` neighbours,
+//! and 20 more with links in time. Capacities that differ forth and back add 4 bytes a link.
 
 use crate::capacity::Capacity;
 use crate::grid::{Grid, GridError};
