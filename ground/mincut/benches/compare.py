@@ -64,7 +64,7 @@ def main():
     parser.add_argument("folder")
     parser.add_argument("scenes", nargs="*", default=["demo:rocks"])
     parser.add_argument("--mpx", default="0.26,1,2,8.3")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     print("| scene | Mpx | weights | ns a pixel | PyMaxflow build + solve | ratio to solve | bytes a pixel | flow |")
     print("|---|---|---|---|---|---|---|---|")
     for scene in options.scenes or ["demo:rocks"]:
