@@ -103,7 +103,8 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, baselines, flicker; none means all but the last.
+        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1, 4.2, 4.4, 4.5, 4.lines, baselines, flicker; none
+        /// means all but the last.
         names: Vec<String>,
         /// A scene for baselines and flicker, which lay methods side by side; may be repeated.
         #[arg(long = "scene", value_name = "SCENE")]

@@ -95,3 +95,61 @@ pub(crate) fn principal(form: &Form, normal: DVec3) -> [(f64, DVec3); 2] {
     let pair = [(mean + root, first), (mean - root, normal.cross(first))];
     if pair[0].0.abs() >= pair[1].0.abs() { pair } else { [pair[1], pair[0]] }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::math::{Vec3, vec3};
+    use chiaro_scene::{Material, MaterialId, Mesh, MeshId, Node, NormalSource, Playback, Scene};
+
+    /// A torus of radii 1 and 0.4.
+    fn torus(n: u32, m: u32) -> Scene {
+        let tau = std::f32::consts::TAU;
+        let point = |k: u32| -> Vec3 {
+            let (u, v) = (tau * (k / m) as f32 / n as f32, tau * (k % m) as f32 / m as f32);
+            let r = 1.0 + 0.4 * v.cos();
+            vec3(r * u.cos(), 0.4 * v.sin(), r * u.sin())
+        };
+        let id = |i: u32, j: u32| (i % n) * m + j % m;
+        let cells = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+                [[a, c, b], [a, d, c]]
+            })
+            .collect();
+        let mesh = Mesh {
+            materials: vec![MaterialId::new(0); triangles.len()],
+            positions: (0..n * m).map(point).collect(),
+            normals: NormalSource::Faces((0..n * m).collect()),
+            triangles,
+            ..Mesh::default()
+        };
+        Scene {
+            meshes: vec![mesh],
+            materials: vec![Material::default()],
+            nodes: vec![Node { mesh: Some(MeshId::new(0)), ..Node::default() }],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn a_torus_has_the_curvatures_of_the_books() {
+        let scene = torus(160, 80);
+        let frame = scene.frame(0.0, &Playback::still());
+        let rule = crate::CreaseRule { angle: 4.0, smooth_angle: 4.0 };
+        let surface = Surface::of(&scene, &frame, &rule);
+        let posed = Posed::new(&surface, &frame, 0);
+        let forms = forms(&surface, &posed);
+        for (v, form) in forms.iter().enumerate() {
+            let p = posed.positions[v];
+            let ring = p.x.hypot(p.z);
+            let along = (ring - 1.0) / 0.4 / ring;
+            let [(a, ta), (b, _)] = principal(form, posed.normals[v]);
+            assert!((a - 2.5).abs() < 0.05 && (b - along).abs() < 0.05, "{v}: {a} {b} {along}");
+            // The tube's circle bends most: its direction lies in the plane of the axis.
+            let round = DVec3::new(-p.z, 0.0, p.x) / ring;
+            assert!(ta.dot(round).abs() < 0.05);
+        }
+    }
+}

@@ -1,4 +1,45 @@
-//! Animated lines (thesis, chapter 4): every silhouette, crease and border of a film, with identity.
+//! Animated lines (thesis, chapter 4): every silhouette, crease and border of a film, found on one
+//! surface for all frames, with identity through time.
+//!
+//! ```text
+//!  per frame, in parallel   Frame ─Posed→ g at the vertices ─Slice→ chains ─Path, Visible→ Strokes
+//!  once over the film       g, Slices ─Kinetic→ S: flips, events, correspondence ─Identity→ ids
+//!  per frame                Strokes + ids
+//! ```
+//!
+//! 1. [`Surface`]: everything drawn as one oriented manifold whose ids never change; a crease is a
+//!    strip of no width, so that silhouettes pass along sharp edges and stay closed.
+//! 2. [`Slice`]: the zero set of n . V as chains; [`Features`]: lines that are edges of the mesh;
+//!    suggestive contours, ridges, valleys, apparent ridges and terminators are further zero sets.
+//! 3. [`visible`]: stretches between cusps and crossings vote on what hides them ([`Sight`]).
+//! 4. [`Stroke`]: a visible run as samples, each with its material point one frame later.
+//! 5. [`track::Kinetic`]: the space-time surface S as the history of its vertices' flips; births,
+//!    deaths, saddles; where each crossing is one frame later.
+//! 6. [`track::Identity`]: one id a line, whatever passes in front of it.
+//! 7. [`Film`] runs all of it; [`measure`] says what came out.
+//!
+//! ```
+//! use chiaro_basis::Run;
+//! use chiaro_lines::{Film, LinesKnobs, Reel, View};
+//! use chiaro_scene::{Choice, Pose, Poser, Projection, demo};
+//!
+//! let scene = demo::scene("peanut")?;
+//! let (playback, _) = scene.playback(&Choice::Auto)?;
+//! let poser = Poser::new(&scene);
+//! let eye = chiaro_basis::math::vec3(0.0, 2.0, 6.0);
+//! let zero = chiaro_basis::math::Vec3::ZERO;
+//! let up = chiaro_basis::math::Vec3::Y;
+//! let pose = Pose::look_at(eye, zero, up, Projection::Perspective { fov_y: 0.6 });
+//! let at = |i: usize| (poser.frame(i as f64 / 24.0, &playback), View::new(pose, (320, 240)));
+//! let reel = Reel { scene: &scene, count: 2, at: &at };
+//! let film = Film::of(&reel, &LinesKnobs::default(), &Run::default())?;
+//! assert!(film.frames[0].slice.chains.iter().all(|c| c.closed));
+//! assert_eq!(film.frames[0].strokes[0].id, film.frames[1].strokes[0].id);
+//! # chiaro_basis::Result::Ok(())
+//! ```
+//!
+//! Not guaranteed: where bodies run into each other no line is drawn along the seam; contacts one
+//! or two triangles wide may be shown or hidden wrongly; coarse meshes are not refined.
 
 pub mod contour;
 mod curvature;
@@ -22,7 +63,7 @@ mod zeroset;
 pub use extract::{Lines, Moment, Stage};
 pub use feature::{FeatureChain, Features};
 pub use film::{Film, FilmEvent, FilmFrame, Ground, Reel};
-pub use knob::{Hidden, LinesKnobs};
+pub use knob::{Hidden, LineColour, LinesKnobs};
 pub use measure::{Measures, distance, measure};
 pub use path::{Kind, Path, Place, Point, Segment};
 pub use posed::{Posed, positions};

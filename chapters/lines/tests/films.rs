@@ -159,6 +159,70 @@ fn a_blob_made_anew_keeps_its_ids() {
 }
 
 #[test]
+fn further_line_types_lie_where_they_should() {
+    let (p, t) = torus(120, 60, 0.12);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let view = view(vec3(1.0, 3.0, 4.5));
+    let knobs = LinesKnobs {
+        suggestive: true,
+        terminator: true,
+        ridge: true,
+        valley: true,
+        apparent_ridge: true,
+        ridge_strength: 2.0,
+        ..LinesKnobs::default()
+    };
+    let at = |_: usize| (still.clone(), view);
+    let reel = Reel { scene: &scene, count: 2, at: &at };
+    let film = Film::of(&reel, &knobs, &Run::default()).expect("nothing stops it");
+    for kind in [Kind::Suggestive, Kind::Terminator, Kind::Ridge] {
+        let of = |i: usize| film.frames[i].strokes.iter().filter(move |s| s.kind == kind);
+        assert!(of(0).count() > 0, "{kind:?}");
+        let ids = |i: usize| of(i).map(|s| s.id).collect::<Vec<u32>>();
+        assert_eq!(ids(0), ids(1), "{kind:?}: what stands still keeps its ids");
+    }
+}
+
+#[test]
+fn hidden_lines_make_whole_loops() {
+    let (p, t) = torus(80, 40, 0.1);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let view = view(vec3(1.0, 3.0, 4.5));
+    let knobs = LinesKnobs {
+        hidden: chiaro_lines::Hidden::Dashed,
+        shortest: 0.0,
+        bridge: 0.0,
+        ..LinesKnobs::default()
+    };
+    let at = |_: usize| (still.clone(), view);
+    let reel = Reel { scene: &scene, count: 1, at: &at };
+    let film = Film::of(&reel, &knobs, &Run::default()).expect("nothing stops it");
+    let frame = &film.frames[0];
+    let drawn: f64 = frame.strokes.iter().chain(&frame.hidden).map(|s| s.total()).sum();
+    let positions =
+        chiaro_lines::positions(&film.surface.as_ref().expect("it is fixed").surface, &still);
+    let surface = &film.surface.as_ref().expect("it is fixed").surface;
+    let whole: f64 = frame
+        .slice
+        .chains
+        .iter()
+        .map(|chain| {
+            let at = |c: &chiaro_lines::Crossing| {
+                let [a, b] = surface.ends(c.edge).map(|v| positions[v as usize]);
+                view.see(a.lerp(b, c.at)).expect("it is in front").at
+            };
+            let points: Vec<_> = chain.of(&frame.slice).iter().map(at).collect();
+            (0..points.len())
+                .map(|i| points[i].distance(points[(i + 1) % points.len()]))
+                .sum::<f64>()
+        })
+        .sum();
+    assert!((drawn - whole).abs() < 0.03 * whole, "{drawn} of {whole}");
+}
+
+#[test]
 fn threads_change_nothing() {
     let (p, t) = torus(40, 20, 0.1);
     let scene = scene(p, t, false);

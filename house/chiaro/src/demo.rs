@@ -3,12 +3,14 @@
 
 use crate::binary::{Colours, Job};
 use crate::film::Target;
+use crate::lines;
 use crate::page::{self, Section};
 use crate::project::{Options, Project};
 use crate::record::Record;
 use crate::style::Style;
 use crate::write;
 use chiaro_basis::{Result, Run};
+use chiaro_lines::{LineColour, LinesKnobs};
 use std::path::Path;
 
 /// One still of the demo: scene, style, caption.
@@ -50,6 +52,8 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
         ..Options::default()
     };
     record.outputs.extend(draw(scene, "ink", options, &folder.join(&film), run)?);
+    let (drawn, lines) = line_pictures(folder, run)?;
+    record.outputs.extend(drawn);
     let sections = [
         Section {
             title: "Binary shading".into(),
@@ -57,6 +61,13 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
                    to black or white, geometry says where a border may run."
                 .into(),
             pictures,
+        },
+        Section {
+            title: "Animated lines".into(),
+            text: "Silhouettes and sharp edges, found on one surface for all frames and followed \
+                   through the film; in the film each line has a colour of its own, and keeps it."
+                .into(),
+            pictures: lines,
         },
         Section {
             title: "A short film".into(),
@@ -68,6 +79,44 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
     let html = page::html("chiaro", intro, &sections);
     record.outputs.push(write::whole(&folder.join("index.html"), html.as_bytes())?);
     Ok(record)
+}
+
+/// Line drawings: scene, whether suggestive contours are drawn, frames, file, caption.
+const LINES: [(&str, bool, u32, &str, &str); 3] = [
+    ("cactus", false, 1, "cactus-lines.png", "A cactus: silhouettes and creases."),
+    ("head", true, 1, "head-lines.png", "A head with suggestive contours."),
+    ("bumpy-torus", false, 24, "lines.apng", "A turning torus: one colour a line."),
+];
+
+/// Draws the line drawings: what was written, and files with their captions.
+fn line_pictures(
+    folder: &Path,
+    run: &Run,
+) -> Result<(Vec<crate::record::Output>, Vec<(String, String)>)> {
+    let (mut outputs, mut pictures) = (Vec::new(), Vec::new());
+    for (scene, suggestive, count, file, caption) in LINES {
+        let film = count > 1;
+        let options = Options {
+            size: film.then_some((480, 360)),
+            frames: Some((1..=count).collect()),
+            fps: 12.0,
+            ..Options::default()
+        };
+        let project = Project::open(&format!("demo:{scene}"), options, run)?;
+        let colour = if film { LineColour::Id } else { LineColour::Ink };
+        let knobs = LinesKnobs { suggestive, colour, ..LinesKnobs::default() };
+        let job = lines::Job {
+            project: &project,
+            knobs: &knobs,
+            colours: Colours::default(),
+            sheet: chiaro_ink::Sheet::default(),
+            pen: None,
+            target: Target::parse(&folder.join(file), count as usize)?,
+        };
+        outputs.extend(job.run(run)?.outputs);
+        pictures.push((file.to_owned(), caption.to_owned()));
+    }
+    Ok((outputs, pictures))
 }
 
 fn draw(

@@ -3,6 +3,7 @@
 //! Each figure is rows of cells; all cells of a row share one view of a scene and differ in knobs.
 
 mod chapter3;
+mod chapter4;
 mod comparisons;
 mod films;
 mod plate;
@@ -29,7 +30,8 @@ struct Figure {
 
 /// The figures, in the thesis's order.
 fn all() -> impl Iterator<Item = &'static Figure> {
-    chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES)
+    let chapter3 = chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES);
+    chapter3.chain(&chapter4::FIGURES)
 }
 
 /// The figures that take scenes: every baseline beside ours, and the flicker of films.
@@ -71,7 +73,7 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     if named(FLICKER) {
         sections.push(flicker(scenes, folder, &mut record, run)?);
     }
-    let intro = "Figures of chapter 3 of Buchholz (2012), remade.";
+    let intro = "Figures of chapters 3 and 4 of Buchholz (2012), remade.";
     let html = page::html("Figures", intro, &sections);
     record.outputs.push(write::whole(&folder.join("index.html"), html.as_bytes())?);
     Ok(record)

@@ -4,7 +4,7 @@
 //! shot; then every frame that is not there yet is written.
 
 mod document;
-mod picture;
+pub(crate) mod picture;
 mod svg;
 
 use crate::binary::Colours;

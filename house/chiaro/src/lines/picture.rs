@@ -5,7 +5,7 @@ use crate::binary::Colours;
 use chiaro_image::Plane;
 use chiaro_image::colour::to_byte;
 use chiaro_ink::{Polyline, draw};
-use chiaro_lines::{FilmFrame, LinesKnobs, Stroke};
+use chiaro_lines::{FilmFrame, LineColour, LinesKnobs, Stroke};
 
 /// A frame of a shot in ink over its background, sRGB-encoded.
 pub(super) fn picture(
@@ -15,10 +15,44 @@ pub(super) fn picture(
     colours: &Colours,
 ) -> Plane<[u8; 4]> {
     let frame = frame(shot, number);
+    if knobs.colour == LineColour::Id {
+        return by_id(frame, shot.camera.size, knobs, colours);
+    }
     let mut lines: Vec<Polyline> = frame.strokes.iter().map(polyline).collect();
     lines.extend(frame.hidden.iter().flat_map(|s| dashes(s, knobs.dash)));
     let cover = draw(&lines, shot.camera.size, knobs.width);
     cover.map(|c| over(colours, *c))
+}
+
+/// Every stroke in the colour of its id, over the background.
+fn by_id(
+    frame: &FilmFrame,
+    size: (usize, usize),
+    knobs: &LinesKnobs,
+    colours: &Colours,
+) -> Plane<[u8; 4]> {
+    let mut plane = Plane::filled(size.0, size.1, over(colours, 0.0));
+    let hidden =
+        frame.hidden.iter().flat_map(|s| dashes(s, knobs.dash).into_iter().map(|d| (s.id, d)));
+    for (id, line) in hidden.chain(frame.strokes.iter().map(|s| (s.id, polyline(s)))) {
+        let [r, g, b] = id_colour(id);
+        let ink = [r, g, b, 1.0];
+        let cover = draw(&[line], size, knobs.width);
+        let put = |p: &[u8; 4], c: &f32| {
+            let back = p.map(|v| f32::from(v) / 255.0);
+            if *c > 0.0 { over(&Colours { ink, background: back, ..*colours }, *c) } else { *p }
+        };
+        plane = plane.zip(&cover, put).expect("both have the picture's size");
+    }
+    plane
+}
+
+/// A colour of its own for an id: hues a golden angle apart.
+pub(crate) fn id_colour(id: u32) -> [f32; 3] {
+    let hue = 6.0 * (0.618_034 * id as f32 + 0.6).fract();
+    let value = [0.82, 0.62, 0.48][id as usize % 3];
+    let ramp = |shift: f32| ((hue + shift).rem_euclid(6.0) - 3.0).abs() - 1.0;
+    [ramp(0.0), ramp(4.0), ramp(2.0)].map(|x| value * x.clamp(0.0, 1.0))
 }
 
 /// The frame with a number.
@@ -28,7 +62,7 @@ pub(super) fn frame(shot: &Shot, number: u32) -> &FilmFrame {
 }
 
 /// A stroke's line in the picture.
-pub(super) fn polyline(stroke: &Stroke) -> Polyline {
+pub(crate) fn polyline(stroke: &Stroke) -> Polyline {
     let points = stroke.samples.iter().map(|s| s.at.as_vec2().to_array()).collect();
     Polyline { points, closed: stroke.closed }
 }

@@ -2,11 +2,11 @@
 //!
 //! A path's name is the stroke's type and id; parts of one line in one frame get a second number.
 
-use super::picture::{dashes, frame, polyline};
+use super::picture::{dashes, frame, id_colour, polyline};
 use super::{Job, Shot};
 use chiaro_basis::Result;
 use chiaro_ink::{Drawing, Layer, Mark, Path, Placement, Point, Polyline, simplified};
-use chiaro_lines::{Kind, Stroke};
+use chiaro_lines::{Kind, LineColour, Stroke};
 use std::collections::BTreeMap;
 
 /// Points that stray less than this from the line are left out, in millimetres.
@@ -55,13 +55,13 @@ impl Pen<'_> {
                     1 => format!("{prefix}{}-{}", kind.name(), stroke.id),
                     n => format!("{prefix}{}-{}-{n}", kind.name(), stroke.id),
                 };
-                marks.extend(self.mark(name, &line));
+                marks.extend(self.mark(name, stroke.id, &line));
             }
         }
         (!marks.is_empty()).then(|| Layer { name: name.into(), marks })
     }
 
-    fn mark(&self, name: String, line: &Polyline) -> Option<Mark> {
+    fn mark(&self, name: String, id: u32, line: &Polyline) -> Option<Mark> {
         let on_page = |p: &[f32; 2]| self.placement.at(p.map(f64::from));
         let mut points: Vec<Point> = line.points.iter().map(on_page).collect();
         if line.closed {
@@ -74,6 +74,13 @@ impl Pen<'_> {
         let path = Path::through(&points, line.closed)?;
         let own = f64::from(self.job.knobs.width) * self.placement.scale;
         let width = self.job.pen.unwrap_or(own);
-        Some(Mark::Named { name, path, width, colour: self.job.colours.ink })
+        let colour = match self.job.knobs.colour {
+            LineColour::Ink => self.job.colours.ink,
+            LineColour::Id => {
+                let [r, g, b] = id_colour(id);
+                [r, g, b, 1.0]
+            }
+        };
+        Some(Mark::Named { name, path, width, colour })
     }
 }
