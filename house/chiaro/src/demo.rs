@@ -52,8 +52,7 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
         ..Options::default()
     };
     record.outputs.extend(draw(scene, "ink", options, &folder.join(&film), run)?);
-    let (drawn, lines) = line_pictures(folder, run)?;
-    record.outputs.extend(drawn);
+    let lines = line_pictures(folder, &mut record, run)?;
     let sections = [
         Section {
             title: "Binary shading".into(),
@@ -88,12 +87,9 @@ const LINES: [(&str, bool, u32, &str, &str); 3] = [
     ("bumpy-torus", false, 24, "lines.apng", "A turning torus: one colour a line."),
 ];
 
-/// Draws the line drawings: what was written, and files with their captions.
-fn line_pictures(
-    folder: &Path,
-    run: &Run,
-) -> Result<(Vec<crate::record::Output>, Vec<(String, String)>)> {
-    let (mut outputs, mut pictures) = (Vec::new(), Vec::new());
+/// Draws the line drawings: files with their captions.
+fn line_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(String, String)>> {
+    let mut pictures = Vec::new();
     for (scene, suggestive, count, file, caption) in LINES {
         let film = count > 1;
         let options = Options {
@@ -113,10 +109,10 @@ fn line_pictures(
             pen: None,
             target: Target::parse(&folder.join(file), count as usize)?,
         };
-        outputs.extend(job.run(run)?.outputs);
+        record.outputs.extend(job.run(run)?.outputs);
         pictures.push((file.to_owned(), caption.to_owned()));
     }
-    Ok((outputs, pictures))
+    Ok(pictures)
 }
 
 fn draw(

@@ -236,8 +236,7 @@ fn space_time(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 fn events(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    let mut knobs = LinesKnobs::default();
-    knobs.hidden = chiaro_lines::Hidden::Dashed;
+    let knobs = LinesKnobs { hidden: chiaro_lines::Hidden::Dashed, ..LinesKnobs::default() };
     let shot = shot(OBJECT, 48, SIZE, &knobs, run)?;
     for kind in [EventKind::Birth, EventKind::Death, EventKind::Saddle] {
         // The one whose chains are longest: most to be seen.
