@@ -340,7 +340,12 @@ impl<N: Mutable> Engine for Warm<N> {
     }
 
     fn run(&mut self) {
-        self.search.mend(&self.touched);
+        if self.touched.len() > self.search.label.len() / 4 {
+            // Little of the trees would last.
+            self.search.restart();
+        } else {
+            self.search.mend(&self.touched);
+        }
         self.touched.clear();
         if self.search.run().is_none() {
             // Labels have risen over many changes; new trees begin at one.
