@@ -95,6 +95,7 @@ fn meshes_are_whole() {
 
 #[test]
 fn normals_are_unit_and_on_the_side_of_their_faces() {
+    let mut faults = Vec::new();
     each_mesh(|name, mesh, _| {
         let normals = normals(mesh);
         assert!(normals.iter().all(|n| n.is_normalized()), "{name}");
@@ -106,8 +107,11 @@ fn normals_are_unit_and_on_the_side_of_their_faces() {
         }
         let share = wrong as f64 / (3 * mesh.triangles.len()) as f64;
         // The tips of locks are a triangle wide.
-        assert!(share < 0.01, "{name}: {wrong} corners, {share}");
+        if share >= 0.005 {
+            faults.push(format!("{name}: {wrong} corners, {share}"));
+        }
     });
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 #[test]
@@ -138,6 +142,47 @@ fn solids_are_closed_manifolds_that_wind_outwards() {
         }
     });
     assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn no_triangle_is_degenerate() {
+    let mut faults = Vec::new();
+    each_mesh(|name, mesh, _| {
+        let flat = |t: &&[u32; 3]| {
+            let [a, b, c] = t.map(|v| mesh.positions[v as usize].as_dvec3());
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            (b - a).cross(c - a).length() <= 1e-6 * longest * longest
+        };
+        let count = mesh.triangles.iter().filter(flat).count();
+        if count > 0 {
+            faults.push(format!("{name}: {count} of {}", mesh.triangles.len()));
+        }
+    });
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// Where everything is at a time.
+fn places(scene: &Scene, time: f64) -> Vec<Vec3> {
+    let playback = scene.playback(&crate::Choice::default()).unwrap().0;
+    let frame = scene.frame(time, &playback);
+    frame.objects.iter().flat_map(|o| frame.world_positions(o).step_by(7)).collect()
+}
+
+#[test]
+fn films_end_as_they_begin_and_move_between() {
+    // These end turned by a symmetry of theirs, which their own tests check.
+    let symmetric = ["torus", "bumpy-torus", "peanut", "golf-ball"];
+    for (name, scene) in all() {
+        let moves = !scene.clips.is_empty() || scene.meshes.iter().any(|m| m.remake.is_some());
+        if !moves || symmetric.contains(name) {
+            continue;
+        }
+        let [start, middle, end] = [0.0, 0.7, motion::SECONDS].map(|t| places(scene, t));
+        assert!(start.len() == end.len(), "{name}");
+        let far = start.iter().zip(&end).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(far < 1e-4, "{name}: {far}");
+        assert!(start != middle, "{name} stands still");
+    }
 }
 
 #[test]

@@ -10,7 +10,7 @@ const HEIGHT: usize = 480;
 
 /// The scenes that the figures are drawn on.
 const HEAD: &str = "head";
-const OBJECT: &str = "bumpy-torus";
+const OBJECT: &str = "multipod";
 const PATTERN: &str = "golf-ball";
 
 pub(super) const FIGURES: [Figure; 6] = [

@@ -143,8 +143,8 @@ fn write_sheet(path: &Path, sheet: &Sheet, run: &Run) -> Result<Output> {
     run.stage("write", 1, || write::whole(path, &codec::write_png_rgb(&sheet.draw(), None)?))
 }
 
-/// Scenes that a style must suit: a face, a relief, a room, a small pattern.
-const STYLE_SCENES: [&str; 4] = ["head", "rocks", "cornell-box", "golf-ball"];
+/// Scenes that a style must suit: a face, many small things, a creature, a small pattern.
+const STYLE_SCENES: [&str; 4] = ["head", "desk", "multipod", "golf-ball"];
 
 /// Draws thumbnails of every style into one sheet.
 pub fn style_sheet(path: &Path, run: &Run) -> Result<Record> {

@@ -3,7 +3,7 @@
 use super::super::shape::{Form, Profile, block, curve, hoop, lathe, prism, tube};
 use super::super::stage::{Stage, mesh, placed};
 use super::Stuff;
-use crate::{Material, MaterialId};
+use crate::MaterialId;
 use chiaro_basis::math::{DQuat, DVec3, Vec3, dvec3, vec3};
 use std::f32::consts::TAU;
 
@@ -134,13 +134,8 @@ fn seat() -> Form {
 
 /// A lantern on its chain below the origin: ironwork, glass, a flame.
 pub(super) fn lantern(stage: &mut Stage, stuff: &Stuff) -> Vec<(Form, MaterialId)> {
-    let flame = stage.push_material(Material {
-        name: "flame".into(),
-        base_colour: [0.9, 0.8, 0.6, 1.0],
-        emissive: [14.0, 8.0, 3.0],
-        double_sided: false,
-        ..Material::default()
-    });
+    // By day: flames light nothing.
+    let flame = stage.material("flame", 0xf0c070, 0.6, 0.0);
     let link = |k: usize| {
         let point = |i: usize| {
             let (s, c) = (TAU * i as f32 / 12.0).sin_cos();

@@ -18,7 +18,8 @@ pub(super) fn put(stage: &mut Stage, at: Vec3) {
     let bulb = stage.push_material(Material {
         name: "bulb".into(),
         base_colour: [0.9, 0.9, 0.9, 1.0],
-        emissive: [60.0, 48.0, 32.0],
+        // Seen to shine; the light below lights.
+        emissive: [2.0, 1.7, 1.2],
         double_sided: false,
         ..Material::default()
     });

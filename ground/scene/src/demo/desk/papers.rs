@@ -89,9 +89,9 @@ fn put_spectacles(stage: &mut Stage) {
     let temple = |side: f32| {
         let through = [
             vec3(0.63, 0.33, 0.0),
-            vec3(0.66, 0.34, -0.1),
-            vec3(0.66, 0.30, -0.9),
-            vec3(0.63, 0.04, -1.3),
+            vec3(0.66, 0.335, -0.42),
+            vec3(0.66, 0.31, -0.86),
+            vec3(0.63, 0.08, -1.24),
         ];
         tube(&curve(&through.map(|p| p * vec3(side, 1.0, 1.0)), 24), 8, |_| 0.024)
     };

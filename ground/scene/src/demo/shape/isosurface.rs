@@ -5,7 +5,7 @@
 //!    is always a closed manifold, if the surface stays inside the box.
 //! 2. Cut points keep away from lattice points, so that no triangle starts as a sliver; then
 //!    vertices move to the mean of their neighbours and back to the surface, a few times.
-//! 3. Normals are the field's gradient.
+//! 3. Normals are the field's gradient, or at thin rims the faces' mean.
 //!
 //! The field must grow by at most `STEEPEST` a unit, since far blocks are left out on its word.
 //! Features finer than a cell may be lost. The result does not depend on threads.
@@ -82,10 +82,15 @@ fn settled(field: Field, p: Vec3, reach: f32) -> Vec3 {
 }
 
 impl Form {
-    /// With the field's gradient as normals, taken over `step`.
+    /// With the field's gradient as normals, taken over `step`; at rims thinner than that, where the
+    /// gradient leaves the side of the faces, with the faces' mean.
     pub(crate) fn with_gradient_normals(mut self, field: Field, step: f32) -> Self {
-        let normal = |p: &Vec3| value_and_gradient(field, *p, step).1.normalize_or(Vec3::Y);
-        self.normals = self.positions.par_iter().map(normal).collect();
+        let faces = angle_weighted_normals(&self.positions, &self.triangles);
+        let normal = |(p, face): (&Vec3, &Vec3)| {
+            let slope = value_and_gradient(field, *p, step).1.normalize_or(Vec3::Y);
+            if slope.dot(*face) > 0.5 { slope } else { *face }
+        };
+        self.normals = self.positions.par_iter().zip(&faces).map(normal).collect();
         self
     }
 }
