@@ -84,7 +84,7 @@ pub(super) fn cactus() -> Scene {
     dress::put_hat(&mut stage, bones.nodes[body[4]], rig.origin(body[4]));
     dress::put_flower(&mut stage, bones.nodes[left[4]], rig.origin(left[4]));
     let projection = Projection::Perspective { fov_y: 26f32.to_radians() };
-    stage.camera(vec3(5.4, 5.6, 19.6), vec3(-0.05, 1.76, 0.0), projection, 0.8);
+    stage.camera(vec3(5.6, 5.8, 20.6), vec3(-0.05, 1.82, 0.0), projection, 0.8);
     stage.finish()
 }
 
