@@ -310,4 +310,22 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_crop_holds_every_mark_and_finds_its_pixels() {
+        let (width, height) = (7, 5);
+        let marked = [(0, 2, 1), (1, 5, 3)];
+        let mut marks = vec![false; 2 * width * height];
+        for (t, x, y) in marked {
+            marks[(t * height + y) * width + x] = true;
+        }
+        let crop = Crop::around(&marks, width, height).expect("there are marks");
+        assert_eq!((crop.first, crop.size), ((2, 1), (4, 3)));
+        let cropped = crop.of(&marks);
+        assert_eq!(cropped.iter().filter(|m| **m).count(), 2);
+        for (p, _) in marks.iter().enumerate().filter(|(_, m)| **m) {
+            assert!(cropped[crop.place(p)]);
+        }
+        assert!(Crop::around(&[false; 35], width, height).is_none());
+    }
 }
