@@ -1,6 +1,8 @@
 //! Arguments as typed: one table for parser, help, man page and completions.
 
+use chiaro::given::Maps;
 use chiaro::number::{parse_frames, parse_numbers, parse_size};
+use chiaro::painting::Painting;
 use chiaro::project::{Options, parse_point};
 use chiaro::vector::{Print, Sheet, length};
 use chiaro_basis::{Error, Result};
@@ -45,11 +47,11 @@ pub(crate) enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Draw a scene in black and white, balancing appearance against geometry by a minimal cut.
+    /// Draw a scene, a picture or a renderer's EXR in black and white, balancing appearance against geometry by a minimal cut.
     Binary {
         #[command(flatten)]
         scene: SceneArgs,
-        /// A .png, .svg, .pbm or .apng file, a pattern such as frames/####.png, or a folder.
+        /// A .png, .svg, .tif, .pbm or .apng file, a pattern such as frames/####.png, or a folder.
         #[arg(short, long)]
         output: PathBuf,
         #[command(flatten)]
@@ -60,6 +62,8 @@ pub(crate) enum Command {
         dump_graph: Option<PathBuf>,
         #[command(flatten)]
         print: PrintArgs,
+        #[command(flatten)]
+        maps: MapArgs,
         #[command(flatten)]
         common: Common,
     },
@@ -260,6 +264,48 @@ pub(crate) struct MarksArgs {
     /// Colour of the ink.
     #[arg(long, value_name = "COLOUR", default_value = "black")]
     pub(crate) ink: String,
+}
+
+/// Maps beside a colour image, and strokes on it.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct MapArgs {
+    /// For a picture: its normals, n = 2 c - 1, x right, z to the viewer.
+    #[arg(long, value_name = "FILE")]
+    normals: Option<PathBuf>,
+    /// Where the y of --normals points.
+    #[arg(long, value_name = "up|down", default_value = "up", value_parser = ["up", "down"])]
+    normals_y: String,
+    /// For a picture: its depth, growing with distance.
+    #[arg(long, value_name = "FILE")]
+    depth: Option<PathBuf>,
+    /// For a picture: a map of lines to be drawn on top of PNG, PBM and TIFF.
+    #[arg(long, value_name = "FILE")]
+    discontinuity: Option<PathBuf>,
+    /// Paint: a text file of strokes, lines such as `white 6 120,80 140,90` (label white, black or
+    /// erase, radius, points in pixels).
+    #[arg(long, value_name = "FILE")]
+    strokes: Option<PathBuf>,
+    /// How much of the weights is learned from the strokes: 0 none, 1 all.
+    #[arg(long, value_name = "0..1", default_value_t = 0.5)]
+    blend: f64,
+}
+
+impl MapArgs {
+    /// The strokes, read.
+    pub(crate) fn painting(&self) -> Result<Option<Painting>> {
+        let blend = within("--blend", self.blend, 0.0, 1.0)? as f32;
+        self.strokes.as_deref().map(|path| Painting::open(path, blend)).transpose()
+    }
+
+    /// What the arguments mean.
+    pub(crate) fn maps(&self) -> Maps {
+        Maps {
+            normals: self.normals.clone(),
+            normals_y_down: self.normals_y == "down",
+            depth: self.depth.clone(),
+            discontinuity: self.discontinuity.clone(),
+        }
+    }
 }
 
 /// Paper and pen.

@@ -3,6 +3,7 @@
 use crate::args::{Cli, Command, InkArgs, MarksArgs, StyleAction};
 use chiaro::binary::{self, Colours};
 use chiaro::film::Target;
+use chiaro::given::{self, Given};
 use chiaro::project::Project;
 use chiaro::record::Record;
 use chiaro::style::{self, Style};
@@ -27,7 +28,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let target = Target::parse(output, project.frames().len())?;
             gbuffer::Job { project: &project, target }.run(run).map(Some)
         }
-        Command::Binary { scene, output, ink, print, dump_graph, .. } => {
+        Command::Binary { scene, output, ink, print, maps, dump_graph, .. } => {
             let options = scene.options()?;
             let print = print.print()?;
             let (style, knobs) = knobs(ink)?;
@@ -35,6 +36,19 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let frames = options.frames.as_ref().map_or(1, Vec::len);
             let target = Target::parse(output, frames)?;
             binary::check_target(&target)?;
+            let painting = maps.painting()?;
+            let maps = maps.maps();
+            if given::is_picture(&scene.scene) {
+                let given = &Given::open(&scene.scene, &maps, run)?;
+                let (style, knobs) = (&style, &knobs);
+                let job = given::Job { given, style, knobs, colours, print, painting, target };
+                return job.run(run).map(Some);
+            }
+            if maps.any() {
+                let range =
+                    "a PNG, JPEG or EXR picture beside --normals, --depth and --discontinuity";
+                return Err(Error::setting("SCENE", &scene.scene, range));
+            }
             let project = Project::open(&scene.scene, options, run)?;
             let job = binary::Job {
                 project: &project,
@@ -42,6 +56,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 knobs: &knobs,
                 colours,
                 print,
+                painting,
                 target,
                 dump_graph: dump_graph.clone(),
             };

@@ -120,6 +120,11 @@ impl Channels {
         self.planes[channel as usize].as_ref()
     }
 
+    /// Puts a plane in a channel's place, for pictures made elsewhere.
+    pub fn set(&mut self, channel: Channel, plane: Plane<f32>) {
+        self.planes[channel as usize] = Some(plane);
+    }
+
     /// A set of one channel, for tests and for pictures made elsewhere.
     pub fn single(channel: Channel, plane: Plane<f32>) -> Self {
         let mut channels = Self { reach: 1.0, ..Self::default() };

@@ -15,6 +15,21 @@ pub struct Marks {
     pub opacity: Plane<f32>,
 }
 
+impl Marks {
+    /// Draws a map of lines on top, in ink on white and in paper's colour on black, smoothed by
+    /// `sigma` pixels.
+    pub fn draw_map(&mut self, lines: &Plane<bool>, sigma: f32) {
+        let everywhere = lines.map(|_| true);
+        let drawn = chiaro_ink::smooth_coverage(lines, &everywhere, sigma);
+        let pixels = self.white.pixels_mut().iter_mut().zip(self.opacity.pixels_mut());
+        for ((white, opacity), line) in pixels.zip(drawn.pixels()) {
+            let other = if *white * *opacity + 1.0 - *opacity >= 0.5 { 0.0 } else { 1.0 };
+            *white += line * (other - *white);
+            *opacity = opacity.max(*line);
+        }
+    }
+}
+
 /// Draws lines over regions, of which `region` says how white each pixel is.
 pub fn compose(
     region: &Plane<f32>,

@@ -7,6 +7,7 @@ use crate::geometry::neighbour_factors;
 use crate::island::without_islands;
 use crate::knob::{BinaryKnobs, Model, scaled};
 use crate::line::{Features, Lines};
+use crate::paint::Paint;
 use crate::terminal::terminal;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
@@ -62,12 +63,34 @@ pub fn shade(
     paper_is_white: bool,
     run: &Run,
 ) -> Result<Steps> {
+    shade_painted(view, exposure, knobs, None, paper_is_white, run)
+}
+
+/// [`shade`] with strokes painted on the view.
+pub fn shade_painted(
+    view: &View,
+    exposure: &Exposure,
+    knobs: &BinaryKnobs,
+    paint: Option<&Paint>,
+    paper_is_white: bool,
+    run: &Run,
+) -> Result<Steps> {
     let pixels = view.buffer.covered.len() as u64;
-    let Weights { difference, factors, graph } = weigh(view, exposure, knobs, run)?;
+    let mut weights = weigh(view, exposure, knobs, run)?;
+    if let Some(paint) = paint {
+        weights.difference = paint.mixed(&weights.difference);
+        let covered = &view.buffer.covered;
+        weights.graph = Graph::new(covered, &weights.difference, &weights.factors, knobs);
+        paint.bind(&mut weights.graph);
+    }
+    let Weights { difference, factors, graph } = weights;
     let labels = run.stage("cut", pixels, || graph.solve())?;
     run.check()?;
     let area = knobs.island_area(view.buffer.size().1);
-    let white = without_islands(&labels.white, &graph.mask, area);
+    let mut white = without_islands(&labels.white, &graph.mask, area);
+    if let Some(paint) = paint {
+        white = paint.kept(&white, &graph.mask);
+    }
     let added = if area > 0.0 { graph.energy(&white) - labels.cut } else { 0 };
     let border = Border::measure(&white, &graph.mask, &FeaturePairs::of(&factors));
     let (region, lines) = run.stage("lines", pixels, || {

@@ -8,17 +8,19 @@ use crate::camera::Camera;
 use crate::dump;
 use crate::film::{self, Target};
 use crate::lighting::Lighting;
+use crate::painting::Painting;
+use crate::plates::{Plates, uses_paper};
 use crate::project::Project;
 use crate::record::{Output, Record};
 use crate::reel::{self, Labelling};
 use crate::style::Style;
-use crate::vector::{self, Plate, Print};
+use crate::vector::Print;
 use crate::write;
 use chiaro_basis::{Knobs, Result, Run};
 use chiaro_binary::{
     BinaryKnobs, Border, Channel, Channels, Coloured, Exposure, Features, Graph, LEAST_REACH,
-    Labels, Lines, Lit, Marks, Palette, REFERENCE_HEIGHT, Steps, View, colour_regions, compose,
-    expose, is_light, one_bit, outline, shade, tint,
+    Labels, Lines, Lit, Marks, Paint, Palette, REFERENCE_HEIGHT, Steps, View, colour_regions,
+    compose, expose, is_light, one_bit, outline, shade_painted, tint,
 };
 use chiaro_image::colour::to_byte;
 use chiaro_image::labels::components;
@@ -30,7 +32,7 @@ use std::path::PathBuf;
 
 /// Frames that a shot's exposure is surveyed on, at most, and their height in pixels.
 const SURVEY_FRAMES: usize = 5;
-const SURVEY_HEIGHT: usize = 240;
+pub(crate) const SURVEY_HEIGHT: usize = 240;
 
 /// Colours of the picture, sRGB-encoded RGBA.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +52,11 @@ impl Default for Colours {
 }
 
 impl Colours {
+    /// For recipes.
+    pub(crate) fn settings(&self) -> Value {
+        json!({ "ink": self.ink, "paper": self.paper, "background": self.background })
+    }
+
     /// Whether what has no geometry is nearer to paper than to ink.
     pub(crate) fn paper_is_white(&self) -> bool {
         let lightness = |c: [f32; 4]| 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
@@ -75,6 +82,7 @@ pub struct Shot<'a> {
     pub exposure: Exposure,
     pub(crate) lighting: Lighting,
     surfaces: Surfaces<'a>,
+    painting: Option<Painting>,
 }
 
 impl<'a> Shot<'a> {
@@ -94,6 +102,7 @@ impl<'a> Shot<'a> {
             exposure: Exposure::default(),
             lighting,
             surfaces,
+            painting: None,
         };
         shot.exposure = shot.expose(&numbers, &frames, run)?;
         Ok(shot)
@@ -179,7 +188,8 @@ impl<'a> Shot<'a> {
     ) -> Result<Picture> {
         let size = self.camera.size;
         let view = self.view(frame, number, size, self.exposure.shadows, run)?;
-        draw(&view, &self.exposure, &self.knobs, colours, run)
+        let paint = self.painting.as_ref().map(|p| p.paint(&view, number));
+        draw(&view, &self.exposure, &self.knobs, (colours, paint.as_ref()), run)
     }
 
     /// The palette of its pictures.
@@ -193,11 +203,12 @@ pub(crate) fn draw(
     view: &View,
     exposure: &Exposure,
     knobs: &BinaryKnobs,
-    colours: &Colours,
+    (colours, paint): (&Colours, Option<&Paint>),
     run: &Run,
 ) -> Result<Picture> {
     let covered = &view.buffer.covered;
-    let mut steps = shade(view, exposure, knobs, colours.paper_is_white(), run)?;
+    let paper = colours.paper_is_white();
+    let mut steps = shade_painted(view, exposure, knobs, paint, paper, run)?;
     let palette = Palette::parse(&knobs.palette, colours.ink, colours.paper)?;
     let mut labels = None;
     let tint = match &palette {
@@ -306,6 +317,8 @@ pub struct Job<'a> {
     pub print: Print,
     /// Where the picture goes.
     pub target: Target,
+    /// Strokes, if any.
+    pub painting: Option<Painting>,
     /// A folder for the graph, if wanted.
     pub dump_graph: Option<PathBuf>,
 }
@@ -315,17 +328,22 @@ impl Job<'_> {
     pub fn run(&self, run: &Run) -> Result<Record> {
         dump::check(self.dump_graph.as_deref())?;
         let mut record = Record::new("binary");
-        let shot = &Shot::survey(self.project, self.knobs, run)?;
+        let mut shot = Shot::survey(self.project, self.knobs, run)?;
+        shot.painting = self.painting.clone();
+        let shot = &shot;
         let mut out = Out::new(self, shot)?;
         let missing = out.missing(self.project.frames());
         let mut film = Map::new();
         let palette = shot.palette(&self.colours)?;
         let holds = self.project.shot().len() > 1 && self.knobs.coherence > 0.0;
+        if holds && self.painting.is_some() {
+            run.warn("painted strokes: each frame is on its own");
+        }
         if holds && palette != Palette::Two {
             run.warn("a palette of more colours: each frame is on its own");
         }
         let two = palette == Palette::Two;
-        if two && self.project.shot().len() > 1 {
+        if two && self.painting.is_none() && self.project.shot().len() > 1 {
             let mut deliver = |number: u32, picture: Picture| out.put(number, picture, run);
             let how = (missing.as_slice(), Labelling::of(&shot.knobs));
             film = reel::shoot(shot, &self.colours, how, &mut deliver, run)?;
@@ -350,47 +368,15 @@ impl Job<'_> {
         Ok(record)
     }
 
-    fn svg(
-        &self,
-        picture: &Picture,
-        frame: u32,
-        recipe: &str,
-        counts: &mut Map<String, Value>,
-    ) -> Result<Vec<u8>> {
-        let two = [self.colours.ink, self.colours.paper];
-        let plate = Plate {
-            labels: &picture.labels,
-            covered: &picture.covered,
-            colours: if picture.palette.is_empty() { &two } else { &picture.palette },
-            lines: &picture.lines,
-            scheme: &self.colours,
-        };
-        let title = format!("{} {frame}", self.project.file_name());
-        let (svg, travel) = vector::draw(&plate, self.knobs, &self.print, &title, recipe)?;
-        counts.insert("pen_down_mm".into(), json!(travel.down));
-        counts.insert("pen_up_mm".into(), json!(travel.up));
-        Ok(svg.into_bytes())
-    }
-
     fn settings(&self, shot: &Shot<'_>) -> Map<String, Value> {
         let mut s = shot.view_settings();
         s.insert("style".into(), self.style.name.clone().into());
-        s.insert(
-            "colours".into(),
-            json!({
-                "ink": self.colours.ink, "paper": self.colours.paper,
-                "background": self.colours.background,
-            }),
-        );
-        s.insert(
-            "exposure".into(),
-            json!({
-                "low": shot.exposure.low, "high": shot.exposure.high,
-                "threshold": shot.exposure.threshold, "contrast": shot.exposure.contrast,
-                "shadows": shot.exposure.shadows,
-            }),
-        );
-        if self.target.extension() == "svg" {
+        s.insert("colours".into(), self.colours.settings());
+        s.insert("exposure".into(), exposure_settings(&shot.exposure));
+        if let Some(painting) = &self.painting {
+            s.insert("painting".into(), painting.settings());
+        }
+        if uses_paper(&self.target) {
             s.insert("print".into(), self.print.settings());
         }
         for (knob, value) in self.knobs.values() {
@@ -463,10 +449,15 @@ impl<'a> Out<'a> {
         }
         let (recipe, file) = (job.recipe(self.shot, number), job.target.file(number));
         let output = run.stage("write", 1, || {
-            let bytes = match self.encode {
-                Encoding::Svg => job.svg(&picture, number, &recipe, &mut counts)?,
-                encode => encode.encode(&picture, &job.colours, &recipe)?,
+            let title = format!("{} {number}", job.project.file_name());
+            let plates = Plates {
+                colours: &job.colours,
+                knobs: job.knobs,
+                print: &job.print,
+                title: &title,
+                recipe: &recipe,
             };
+            let bytes = plates.bytes(self.encode, &picture, &mut counts)?;
             match job.target {
                 Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
                 _ => write::whole(&file, &bytes),
@@ -502,6 +493,14 @@ pub(crate) fn json_of(value: &chiaro_basis::Value) -> Value {
     }
 }
 
+/// An exposure, for recipes.
+pub(crate) fn exposure_settings(exposure: &Exposure) -> Value {
+    json!({
+        "low": exposure.low, "high": exposure.high, "threshold": exposure.threshold,
+        "contrast": exposure.contrast, "shadows": exposure.shadows,
+    })
+}
+
 /// Whether a binary job can write such a file.
 pub fn check_target(target: &Target) -> Result<()> {
     Encoding::of(target).map(drop)
@@ -509,30 +508,37 @@ pub fn check_target(target: &Target) -> Result<()> {
 
 /// How a frame becomes bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Encoding {
+pub(crate) enum Encoding {
     Png,
     Pbm,
+    Tiff,
     Svg,
 }
 
 impl Encoding {
-    fn of(target: &Target) -> Result<Self> {
+    pub(crate) fn of(target: &Target) -> Result<Self> {
         match target.extension().as_str() {
             "png" | "apng" => Ok(Self::Png),
             "pbm" => Ok(Self::Pbm),
+            "tif" | "tiff" => Ok(Self::Tiff),
             "svg" => Ok(Self::Svg),
             other => Err(chiaro_basis::Error::setting(
                 "-o",
                 format!(".{other}"),
-                "a file name that ends in .png, .apng, .pbm or .svg",
+                "a file name that ends in .png, .apng, .svg, .pbm or .tif",
             )),
         }
     }
 
-    fn encode(self, picture: &Picture, colours: &Colours, recipe: &str) -> Result<Vec<u8>> {
+    pub(crate) fn encode(
+        self,
+        picture: &Picture,
+        colours: &Colours,
+        recipe: &str,
+    ) -> Result<Vec<u8>> {
         match self {
             Self::Pbm => Ok(codec::write_pbm(&one_bit(&picture.marks, colours.paper_is_white()))),
-            Self::Svg => unreachable!("vectors are drawn, not encoded"),
+            Self::Svg | Self::Tiff => unreachable!("made with their paper in mind"),
             Self::Png if colours.are_grey() && picture.tint.is_none() => {
                 let grey = colour(picture, colours).map(|p| p[0]);
                 codec::write_png_grey(&grey, Some(recipe))

@@ -139,6 +139,7 @@ fn draw(
         colours,
         print: Default::default(),
         target,
+        painting: None,
         dump_graph: None,
     };
     Ok(job.run(run)?.outputs)

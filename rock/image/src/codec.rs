@@ -13,6 +13,7 @@ mod npy;
 mod pbm;
 mod picture;
 mod png;
+mod tiff;
 
 pub use apng::write_apng;
 pub use exr::{ExrChannel, ExrImage, read_exr, write_exr};
@@ -21,3 +22,4 @@ pub use npy::{write_npy, write_npy_labels};
 pub use pbm::{read_pbm, write_pbm};
 pub use picture::{Format, read_colour, read_components, read_picture};
 pub use png::{read_png_recipe, write_png_bits, write_png_grey, write_png_rgb, write_png_rgba};
+pub use tiff::write_tiff_bits;

@@ -117,7 +117,7 @@ impl Plate {
     pub(super) fn coloured(&self, knobs: &BinaryKnobs, run: &Run) -> Result<Plane<[u8; 3]>> {
         let colours = Colours::default();
         let exposure = self.exposure(knobs, run)?;
-        Ok(draw(&self.view, &exposure, knobs, &colours, run)?.displayed(&colours))
+        Ok(draw(&self.view, &exposure, knobs, (&colours, None), run)?.displayed(&colours))
     }
 
     /// Seconds for the weights and for the cut, the best of three.

@@ -40,7 +40,12 @@ pub(super) fn fitted(
     for y in 0..h {
         for x in (0..w).filter(|x| covered[(*x, y)]) {
             let z = f64::from(depth[(x, y)]);
-            let row = [1.0, z, z * (x as f64 + 0.5 - 0.5 * w as f64), z * (0.5 * h as f64 - y as f64 - 0.5)];
+            let row = [
+                1.0,
+                z,
+                z * (x as f64 + 0.5 - 0.5 * w as f64),
+                z * (0.5 * h as f64 - y as f64 - 0.5),
+            ];
             for i in 0..4 {
                 for j in 0..4 {
                     normal[i][j] += row[i] * row[j];
@@ -164,9 +169,8 @@ mod tests {
             let (a, b) = (i as f32 * 0.7, i as f32 * 1.3);
             Vec3::new(a.sin(), b.cos(), (a * b).sin()).normalize()
         });
-        let pairs = normals.map(|n| {
-            (n, Vec3::new(n.dot(pose.right), n.dot(pose.up), -n.dot(pose.forward)))
-        });
+        let pairs = normals
+            .map(|n| (n, Vec3::new(n.dot(pose.right), n.dot(pose.up), -n.dot(pose.forward))));
         let found = turned(pairs, pose.projection);
         assert!((found.forward - pose.forward).length() < 1e-3, "{found:?}");
         assert!((found.up - pose.up).length() < 1e-3);

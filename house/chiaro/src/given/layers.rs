@@ -46,7 +46,8 @@ pub(super) struct Layers {
 /// From this depth on there is nothing: renderers write 1e10 or infinity.
 const NOTHING: f32 = 1e9;
 
-const NORMAL: [&str; 6] = ["normal", "normals", "n", "shadingnormal", "denoisingnormal", "world_normal"];
+const NORMAL: [&str; 6] =
+    ["normal", "normals", "n", "shadingnormal", "denoisingnormal", "world_normal"];
 const DEPTH: [&str; 4] = ["depth", "z", "zdepth", "depth_z"];
 const POSITION: [&str; 5] = ["position", "p", "worldposition", "world_position", "pworld"];
 const OBJECT: [&str; 4] = ["object", "indexob", "cryptoobject00", "crypto_object00"];
@@ -172,7 +173,8 @@ impl<'a> Finder<'a> {
 
     /// `NX NY NZ`, as 3ds Max has them.
     fn split_normal(&self) -> Option<Plane<[f32; 3]>> {
-        let [x, y, z] = [self.floats("", &["nx"])?, self.floats("", &["ny"])?, self.floats("", &["nz"])?];
+        let [x, y, z] =
+            [self.floats("", &["nx"])?, self.floats("", &["ny"])?, self.floats("", &["nz"])?];
         Some(Plane::from_fn(x.width(), x.height(), |u, v| [x[(u, v)], y[(u, v)], z[(u, v)]]))
     }
 

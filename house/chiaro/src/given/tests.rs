@@ -1,0 +1,155 @@
+use super::*;
+use crate::project::{Options, Project};
+use chiaro_basis::math::Vec3;
+use chiaro_image::codec::{ExrChannel, ExrImage, write_exr, write_png_rgba};
+
+const SIZE: usize = 96;
+
+/// A folder with a picture and a normal map of a ball, and their paths.
+fn ball() -> (tempfile::TempDir, String, PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |x: usize| (x as f32 + 0.5) / SIZE as f32 * 2.4 - 1.2;
+    let normal = |x: usize, y: usize| {
+        let (u, v) = (at(x), -at(y));
+        let z2 = 1.0 - u * u - v * v;
+        (z2 > 0.0).then(|| Vec3::new(u, v, z2.sqrt()))
+    };
+    let byte = |v: f32| (v * 255.0).round() as u8;
+    let map = Plane::from_fn(SIZE, SIZE, |x, y| match normal(x, y) {
+        Some(n) => [byte(0.5 * n.x + 0.5), byte(0.5 * n.y + 0.5), byte(0.5 * n.z + 0.5), 255],
+        None => [0, 0, 0, 255],
+    });
+    let picture = Plane::from_fn(SIZE, SIZE, |x, y| {
+        let light = normal(x, y).map_or(0.0, |n| n.dot(Vec3::new(-0.6, 0.6, 0.5)).clamp(0.0, 1.0));
+        [byte(light), byte(light), byte(light), 255]
+    });
+    let (name, normals) = (dir.path().join("ball.png"), dir.path().join("normals.png"));
+    std::fs::write(&name, write_png_rgba(&picture, None).unwrap()).unwrap();
+    std::fs::write(&normals, write_png_rgba(&map, None).unwrap()).unwrap();
+    (dir, name.display().to_string(), normals)
+}
+
+fn drawn(given: &Given) -> Picture {
+    let job = Job {
+        given,
+        style: &Style::find("ink").unwrap(),
+        knobs: &BinaryKnobs::default(),
+        colours: Colours::default(),
+        print: Print::default(),
+        painting: None,
+        target: Target::Single("a.png".into()),
+    };
+    job.picture(&Run::default()).unwrap().0
+}
+
+#[test]
+fn a_picture_with_normals_is_shaded() {
+    let (_dir, name, normals) = ball();
+    let maps = Maps { normals: Some(normals), ..Maps::default() };
+    let picture = drawn(&Given::open(&name, &maps, &Run::default()).unwrap());
+    let covered = &picture.covered;
+    assert!(!covered[(1, 1)] && covered[(48, 48)]);
+    // The light comes from the upper left.
+    assert!(picture.white[(30, 30)] && !picture.white[(75, 75)]);
+}
+
+#[test]
+fn normals_may_point_down_and_maps_must_fit() {
+    let (dir, name, normals) = ball();
+    let maps = Maps { normals: Some(normals.clone()), normals_y_down: true, ..Maps::default() };
+    let given = Given::open(&name, &maps, &Run::default()).unwrap();
+    assert!(given.layers.normal.as_ref().unwrap()[(48, 30)][1] < -0.2);
+    let small = dir.path().join("small.png");
+    let plane = Plane::filled(5, 5, [128u8, 128, 255, 255]);
+    std::fs::write(&small, write_png_rgba(&plane, None).unwrap()).unwrap();
+    let maps = Maps { normals: Some(small), ..Maps::default() };
+    let error = Given::open(&name, &maps, &Run::default()).err().unwrap().to_string();
+    assert!(error.contains("small.png") && error.contains("5 x 5"), "{error}");
+}
+
+#[test]
+fn one_pixel_and_empty_masks_are_pictures() {
+    for alpha in [0u8, 255] {
+        for (w, h) in [(1, 1), (1, 300), (7, 3)] {
+            let dir = tempfile::tempdir().unwrap();
+            let path = dir.path().join("a.png");
+            let plane = Plane::filled(w, h, [90u8, 90, 90, alpha]);
+            std::fs::write(&path, write_png_rgba(&plane, None).unwrap()).unwrap();
+            let name = path.display().to_string();
+            let given = Given::open(&name, &Maps::default(), &Run::default()).unwrap();
+            assert_eq!(drawn(&given).white.size(), (w, h));
+        }
+    }
+}
+
+/// The layers that Blender would write of a procedural scene: combined, depth, world normals.
+fn blender(with_position: bool) -> (Given, chiaro_binary::View) {
+    let options = Options { size: Some((160, 120)), ..Options::default() };
+    let run = Run::default();
+    let project = Project::open("demo:torus", options, &run).unwrap();
+    let knobs = BinaryKnobs::default();
+    let shot = crate::binary::Shot::survey(&project, &knobs, &run).unwrap();
+    let poser = project.poser();
+    let frame = project.pose(&poser, 1, &run);
+    let scene = shot.everything(&frame, 1, &run).unwrap();
+    let b = &scene.buffer;
+    let mut layers = Vec::new();
+    let mut push = |name: &str, plane: Plane<f32>| {
+        layers.push((format!("View Layer.{name}"), ExrChannel::F32(plane)));
+    };
+    for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+        push(&format!("Normal.{axis}"), b.normal.map(|n| n[i]));
+        if with_position {
+            push(&format!("Position.{axis}"), b.position.map(|n| n[i]));
+        }
+    }
+    let depth = b.depth.zip(&b.covered, |d, c| if *c { *d } else { 1e10 }).unwrap();
+    push("Depth.Z", depth);
+    for channel in ["R", "G", "B", "A"] {
+        push(&format!("Combined.{channel}"), b.covered.map(|c| if *c { 0.5 } else { 0.0 }));
+    }
+    push("CryptoObject00.r", b.object.map(|o| f32::from_bits(*o)));
+    let bytes = write_exr(&ExrImage { size: b.size(), layers, ..ExrImage::default() }).unwrap();
+    let layers = read_layers("render.exr", &bytes).unwrap();
+    (Given { name: "render.exr".into(), hash: String::new(), maps: Map::new(), layers }, scene)
+}
+
+#[test]
+fn renders_by_others_have_the_geometry_of_the_scene() {
+    for with_position in [true, false] {
+        let (given, scene) = blender(with_position);
+        let view = view::view(&given.layers, &BinaryKnobs::default());
+        let (ours, theirs) = (&scene.buffer, &view.buffer);
+        assert_eq!(ours.covered, theirs.covered);
+        let turn = ours.pose.forward.dot(theirs.pose.forward).clamp(-1.0, 1.0).acos().to_degrees();
+        let limit = if with_position { 0.1 } else { 8.0 };
+        assert!(turn < limit, "positions {with_position}: the camera is {turn} degrees off");
+        let ratio = theirs.radius / ours.radius;
+        assert!((0.6..1.7).contains(&ratio), "radius {ratio}");
+        if with_position {
+            let off = ours.geometric_normal.pixels().iter().zip(theirs.geometric_normal.pixels());
+            let close = off.filter(|(a, b)| Vec3::from(**a).dot(Vec3::from(**b)) > 0.9).count();
+            let covered = ours.covered.pixels().iter().filter(|c| **c).count();
+            assert!(close as f64 > 0.9 * covered as f64, "{close} of {covered}");
+        }
+        assert_eq!(theirs.object, ours.object);
+    }
+}
+
+#[test]
+fn files_without_layers_and_damaged_ones_are_one_sentence() {
+    let plane = ExrChannel::F32(Plane::filled(4, 4, 1.0));
+    let image =
+        ExrImage { size: (4, 4), layers: vec![("foo.bar".into(), plane)], ..ExrImage::default() };
+    let bytes = write_exr(&image).unwrap();
+    let error = read_layers("a.exr", &bytes).err().unwrap().to_string();
+    assert!(error.starts_with("a.exr: ") && error.contains("MultiLayer"), "{error}");
+    for cut in [5, 20, bytes.len() / 2, bytes.len() - 3] {
+        assert!(read_layers("a.exr", &bytes[..cut]).is_err());
+    }
+    let nan = ExrChannel::F32(Plane::filled(4, 4, f32::NAN));
+    let layers = ["N.X", "N.Y", "N.Z", "Z", "R", "G", "B"].map(|n| (n.to_owned(), nan.clone()));
+    let image = ExrImage { size: (4, 4), layers: layers.to_vec(), ..ExrImage::default() };
+    let layers = read_layers("a.exr", &write_exr(&image).unwrap()).unwrap();
+    assert!(layers.covered().pixels().iter().all(|c| !c));
+}
