@@ -78,12 +78,9 @@ fn solve(mut a: [[f64; 4]; 4], mut b: [[f64; 3]; 4]) -> Option<[[f64; 3]; 4]> {
         }
         for j in (0..4).filter(|j| *j != i) {
             let t = a[j][i] / a[i][i];
-            for k in 0..4 {
-                a[j][k] -= t * a[i][k];
-            }
-            for k in 0..3 {
-                b[j][k] -= t * b[i][k];
-            }
+            let (pivot, beside) = (a[i], b[i]);
+            a[j].iter_mut().zip(pivot).for_each(|(x, p)| *x -= t * p);
+            b[j].iter_mut().zip(beside).for_each(|(x, p)| *x -= t * p);
         }
     }
     Some(std::array::from_fn(|i| b[i].map(|v| v / a[i][i])))
