@@ -79,6 +79,18 @@ pub(crate) enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Light a scene in full: direct light, shadows, and light reflected any number of times.
+    Light {
+        #[command(flatten)]
+        scene: SceneArgs,
+        /// A .png, .exr or .apng file, a pattern such as frames/####.exr, or a folder.
+        #[arg(short, long)]
+        output: PathBuf,
+        #[command(flatten)]
+        light: LightArgs,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Measure how two pictures differ, or how much two films flicker along the motion.
     Compare {
         /// The picture to judge (PNG, JPEG or EXR), or a film: a folder, or a pattern with #.
@@ -343,6 +355,29 @@ impl PrintArgs {
     }
 }
 
+/// How it is lit.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct LightArgs {
+    /// How light is transported: pbgi (point-based, free of noise) or path (the reference).
+    #[arg(long, value_name = "METHOD", default_value = "pbgi")]
+    pub(crate) method: String,
+    /// Surroundings in latitude and longitude: an .hdr, .exr, .png or .jpg file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) env: Option<PathBuf>,
+    /// Stops brighter than the automatic exposure.
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    pub(crate) exposure: Option<f32>,
+    /// Set a knob: surfels, bounces, solid_angle, error_bound and others.
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub(crate) sets: Vec<String>,
+    /// Measure errors against the path-traced reference; takes a while.
+    #[arg(long, value_name = "path")]
+    pub(crate) check: Option<String>,
+    /// Colour where there is nothing, or none [default: the sky].
+    #[arg(long, value_name = "COLOUR")]
+    pub(crate) background: Option<String>,
+}
+
 impl Command {
     /// The options that all long commands share.
     pub(crate) fn common(&self) -> Option<&Common> {
@@ -352,6 +387,7 @@ impl Command {
             | Self::Gbuffer { common, .. }
             | Self::Binary { common, .. }
             | Self::Lines { common, .. }
+            | Self::Light { common, .. }
             | Self::Compare { common, .. }
             | Self::Figures { common, .. }
             | Self::Mincut { common, .. }

@@ -1,13 +1,13 @@
 //! Commands: what each does, and what it says at the end.
 
-use crate::args::{Cli, Command, InkArgs, MarksArgs, StyleAction};
+use crate::args::{Cli, Command, InkArgs, LightArgs, MarksArgs, StyleAction};
 use chiaro::binary::{self, Colours};
 use chiaro::film::Target;
 use chiaro::given::{self, Given};
 use chiaro::project::Project;
 use chiaro::record::Record;
 use chiaro::style::{self, Style};
-use chiaro::{compare, compare_films, demo, figures, gbuffer, info, lines, mincut};
+use chiaro::{compare, compare_films, demo, figures, gbuffer, info, light, lines, mincut};
 use chiaro_basis::{Error, Knobs, Result, Run};
 use chiaro_image::colour::parse_colour;
 use chiaro_ink::{Sheet, length};
@@ -87,6 +87,24 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 (None, None) => compare::compare(a, b, run).map(Some),
             }
         }
+        Command::Light { scene, output, light, .. } => {
+            let options = scene.options()?;
+            let settings = LightSettings::of(light)?;
+            let frames = options.frames.as_ref().map_or(1, Vec::len);
+            let target = Target::parse(output, frames)?;
+            light::check_target(&target)?;
+            let project = Project::open(&scene.scene, options, run)?;
+            let job = light::Job {
+                project: &project,
+                knobs: &settings.knobs,
+                method: settings.method,
+                env: light.env.clone(),
+                check: settings.check,
+                backdrop: settings.backdrop,
+                target,
+            };
+            job.run(run).map(Some)
+        }
         Command::Mincut { file, output, verify, .. } => {
             mincut::Job { file, output: output.clone(), verify: *verify }.run(run).map(Some)
         }
@@ -115,13 +133,50 @@ fn knobs(ink: &InkArgs) -> Result<(Style, chiaro_binary::BinaryKnobs)> {
     Ok((style, knobs))
 }
 
+/// What the options of light mean.
+struct LightSettings {
+    knobs: chiaro_pbgi::LightKnobs,
+    method: light::Method,
+    check: bool,
+    backdrop: Option<[f32; 4]>,
+}
+
+impl LightSettings {
+    fn of(args: &LightArgs) -> Result<Self> {
+        let mut knobs = chiaro_pbgi::LightKnobs::default();
+        for text in &args.sets {
+            style::set(&mut knobs, text)?;
+        }
+        if let Some(stops) = args.exposure {
+            knobs.set("exposure", &stops.to_string())?;
+        }
+        let method = match args.method.as_str() {
+            "pbgi" => light::Method::Pbgi,
+            "path" => light::Method::Path,
+            other => return Err(Error::setting("--method", other, "pbgi or path")),
+        };
+        let check = match args.check.as_deref() {
+            None => false,
+            Some("path") if method == light::Method::Pbgi => true,
+            Some("path") => {
+                return Err(Error::setting("--check", "path", "--method pbgi beside it"));
+            }
+            Some(other) => return Err(Error::setting("--check", other, "path")),
+        };
+        let backdrop = args.background.as_deref().map(|t| named("--background", t)).transpose()?;
+        Ok(Self { knobs, method, check, backdrop })
+    }
+}
+
+/// A colour as an option has it.
+fn named(option: &str, text: &str) -> Result<[f32; 4]> {
+    parse_colour(text).map_err(|e| match e {
+        Error::Setting { got, range, .. } => Error::setting(option, got, range),
+        other => other,
+    })
+}
+
 fn colours(ink: &str, background: &str) -> Result<Colours> {
-    let named = |option: &str, text: &str| {
-        parse_colour(text).map_err(|e| match e {
-            Error::Setting { got, range, .. } => Error::setting(option, got, range),
-            other => other,
-        })
-    };
     Ok(Colours {
         ink: named("--ink", ink)?,
         background: named("--background", background)?,

@@ -54,6 +54,9 @@ pub struct Object {
 impl Object {
     /// The matrix for normals, up to a positive factor; finite where a flat matrix has no inverse.
     pub fn normal_from_shape(&self) -> Mat3 {
+        if self.world_from_shape == Affine3A::IDENTITY {
+            return Mat3::IDENTITY;
+        }
         let m = normal_matrix(&Mat3::from(self.world_from_shape.matrix3).as_dmat3());
         let largest = m.to_cols_array().iter().fold(0.0, |a: f64, x| a.max(x.abs()));
         if largest > 0.0 { (m * largest.recip()).as_mat3() } else { Mat3::IDENTITY }

@@ -40,6 +40,8 @@ pub struct GlowTriangle {
     pub radiance: [f32; 3],
     /// Whether the back shines too.
     pub two_sided: bool,
+    /// Whether a texture makes radiance differ from point to point.
+    pub textured: bool,
     /// Index into [`chiaro_scene::Frame::objects`].
     pub object: u32,
     /// Index into the mesh's triangles.
@@ -122,6 +124,12 @@ impl Glow {
         (t.power() / self.power) as f32 / t.area
     }
 
+    /// Which of the triangles was hit.
+    pub fn find(&self, hit: &Hit) -> Option<usize> {
+        // Listed by object and face.
+        self.triangles.binary_search_by_key(&(hit.object, hit.face), |t| (t.object, t.face)).ok()
+    }
+
     /// At most `count` small lamps in the place of the whole, spread over it by power.
     pub fn lamps(&self, count: usize) -> Vec<Lamp> {
         const CANDIDATES: usize = 2048;
@@ -190,6 +198,7 @@ impl GlowTriangle {
             area,
             radiance,
             two_sided: material.double_sided,
+            textured: material.emissive_texture.is_some(),
             object,
             face,
         };
@@ -249,6 +258,7 @@ mod tests {
             area: 2.0,
             radiance: [radiance; 3],
             two_sided: false,
+            textured: false,
             object: 0,
             face: 0,
         };

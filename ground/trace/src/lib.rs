@@ -5,26 +5,39 @@
 //! ```
 
 pub mod channel;
+mod daylight;
+mod direct;
 mod gbuffer;
 mod glow;
 mod hierarchy;
 mod light;
+mod lights;
 mod link;
 mod mip;
 mod motion;
 mod occlusion;
+pub mod path;
+mod sample;
+mod sky;
 mod smooth;
 mod surface;
 mod tracer;
 mod triangle;
+mod vertex;
 pub mod view;
 
+pub use daylight::daylight;
+pub use direct::{Direct, direct_irradiance, lamp_irradiance};
 pub use gbuffer::GBuffer;
 pub use glow::{Glow, GlowPoint, GlowTriangle};
 pub use hierarchy::Hierarchy;
 pub use light::{Arrival, KEY_FROM, Lamp, Patch};
+pub use lights::{LightNumbers, Lights};
 pub use link::{Match, UNLINKED, links};
 pub use motion::motion;
 pub use occlusion::ambient_occlusion;
+pub use sample::Sequence;
+pub use sky::{Sky, SkySample};
 pub use surface::{Surface, Surfaces};
 pub use tracer::{Hit, Ray, Sides, Tracer};
+pub use vertex::{Vertex, albedo, cosine_direction};

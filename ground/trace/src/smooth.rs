@@ -2,7 +2,7 @@
 //! 2021): where rays that test for light should start, so that facets do not show.
 
 use crate::gbuffer::GBuffer;
-use crate::tracer::Tracer;
+use crate::tracer::{Hit, Tracer};
 use chiaro_basis::math::Vec3;
 
 /// A facet with its vertex normals in world space, on the side that is seen.
@@ -15,11 +15,14 @@ pub(crate) struct Facet {
 impl Facet {
     /// The facet in a covered pixel.
     pub(crate) fn of(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize)) -> Self {
-        let hit = buffer.hit[pixel];
-        let side = Vec3::from(buffer.geometric_normal[pixel]);
-        let object = tracer.object(&hit);
+        Self::of_hit(tracer, &buffer.hit[pixel], buffer.geometric_normal[pixel].into())
+    }
+
+    /// The facet that was hit, seen from `side`.
+    pub(crate) fn of_hit(tracer: &Tracer, hit: &Hit, side: Vec3) -> Self {
+        let object = tracer.object(hit);
         let shape = &tracer.frame.shapes[object.shape];
-        let vertices = tracer.mesh(&hit).triangles[hit.face as usize].map(|v| v as usize);
+        let vertices = tracer.mesh(hit).triangles[hit.face as usize].map(|v| v as usize);
         let for_normals = object.normal_from_shape();
         let m = &object.world_from_shape;
         Self {
@@ -32,6 +35,17 @@ impl Facet {
         }
     }
 
+    /// A point of the facet moved onto the smooth surface: the barycentric mean of its projections
+    /// onto the planes at the three vertices, where those lie outside.
+    pub(crate) fn lift(&self, [b, c]: [f32; 2], point: Vec3) -> Vec3 {
+        let mut offset = Vec3::ZERO;
+        for (i, weight) in [1.0 - b - c, b, c].into_iter().enumerate() {
+            let n = self.normals[i];
+            offset -= n * (weight * (point - self.corners[i]).dot(n).min(0.0));
+        }
+        point + offset
+    }
+
     /// The sine of the angle at which neighbours of the facet may rise above its plane: twice the
     /// greatest angle between it and a vertex normal, 0.4 at most. 0 when flat.
     pub(crate) fn deviation(&self) -> f32 {
@@ -42,15 +56,7 @@ impl Facet {
     }
 }
 
-/// A pixel's point moved onto the smooth surface: the barycentric mean of its projections onto the
-/// planes at the three vertices, where those lie outside.
+/// A pixel's point moved onto the smooth surface.
 pub(crate) fn lifted(facet: &Facet, buffer: &GBuffer, pixel: (usize, usize)) -> Vec3 {
-    let [b, c] = buffer.hit[pixel].b;
-    let point = Vec3::from(buffer.position[pixel]);
-    let mut offset = Vec3::ZERO;
-    for (i, weight) in [1.0 - b - c, b, c].into_iter().enumerate() {
-        let n = facet.normals[i];
-        offset -= n * (weight * (point - facet.corners[i]).dot(n).min(0.0));
-    }
-    point + offset
+    facet.lift(buffer.hit[pixel].b, buffer.position[pixel].into())
 }

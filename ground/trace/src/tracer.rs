@@ -54,6 +54,7 @@ pub struct Tracer<'a> {
     pub frame: &'a Frame,
     hierarchy: Arc<Hierarchy>,
     surfaces: Vec<SurfaceKind>,
+    offset: f32,
 }
 
 /// What a ray must know of a material.
@@ -72,7 +73,8 @@ impl<'a> Tracer<'a> {
     /// Rays into a frame over which the hierarchy stands already.
     pub fn with(scene: &'a Scene, frame: &'a Frame, hierarchy: Arc<Hierarchy>) -> Self {
         let surfaces = scene.materials.iter().map(SurfaceKind::of).collect();
-        Self { scene, frame, hierarchy, surfaces }
+        let offset = 1e-4 * frame.bounds().radius();
+        Self { scene, frame, hierarchy, surfaces, offset }
     }
 
     /// The tracer of another frame of the same scene: what has not moved is shared, the rest keeps
@@ -84,6 +86,11 @@ impl<'a> Tracer<'a> {
     /// The hierarchy, to be used again for a frame of the same shape.
     pub fn hierarchy(&self) -> &Arc<Hierarchy> {
         &self.hierarchy
+    }
+
+    /// How far off a surface rays start, scene units: a ten-thousandth of the scene's radius.
+    pub fn offset(&self) -> f32 {
+        self.offset
     }
 
     /// The nearest surface along a ray.

@@ -16,6 +16,7 @@ pub mod film;
 pub mod gbuffer;
 pub mod given;
 pub mod info;
+pub mod light;
 mod lighting;
 pub mod lines;
 pub mod mincut;

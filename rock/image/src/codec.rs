@@ -1,4 +1,5 @@
-//! Pictures to bytes and back: PNG, JPEG (reading only), PBM and OpenEXR; planes as NPY (writing only).
+//! Pictures to bytes and back: PNG, JPEG and Radiance HDR (reading only), PBM and OpenEXR; planes
+//! as NPY (writing only).
 //!
 //! Codecs take and give bytes, never files, so that the caller alone decides how a file appears on
 //! disk. What they write depends on the picture and the recipe alone. What they read may be
@@ -7,6 +8,7 @@
 
 mod apng;
 mod exr;
+mod hdr;
 mod jpeg;
 mod limits;
 mod npy;
@@ -17,6 +19,7 @@ mod tiff;
 
 pub use apng::write_apng;
 pub use exr::{ExrChannel, ExrImage, read_exr, write_exr};
+pub use hdr::read_hdr;
 pub use limits::Limits;
 pub use npy::{write_npy, write_npy_labels};
 pub use pbm::{read_pbm, write_pbm};

@@ -12,6 +12,7 @@
 //! - [`codec`]: PNG, JPEG, PBM and OpenEXR from and to bytes, with limits against hostile files.
 //! - [`metric`]: how far two pictures are apart.
 //! - [`sheet`], [`text`]: contact sheets with captions.
+//! - [`tone`]: light of any brightness to what a display shows.
 //!
 //! ```
 //! use chiaro_image::{Plane, codec, filter, metric, statistics};
@@ -47,5 +48,6 @@ pub mod resample;
 pub mod sheet;
 pub mod statistics;
 pub mod text;
+pub mod tone;
 
 pub use plane::Plane;

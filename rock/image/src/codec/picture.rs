@@ -18,16 +18,19 @@ pub enum Format {
     Exr,
     /// Raw portable bitmap, P4.
     Pbm,
+    /// Radiance HDR.
+    Hdr,
 }
 
 impl Format {
     /// The format that the first bytes of a file announce.
     pub fn of(bytes: &[u8]) -> Option<Self> {
-        let announced: [(&[u8], Self); 4] = [
+        let announced: [(&[u8], Self); 5] = [
             (b"\x89PNG\r\n\x1a\n", Self::Png),
             (b"\xFF\xD8\xFF", Self::Jpeg),
             (b"\x76\x2F\x31\x01", Self::Exr),
             (b"P4", Self::Pbm),
+            (b"#?", Self::Hdr),
         ];
         announced.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, format)| *format)
     }
@@ -57,7 +60,7 @@ pub fn read_components(bytes: &[u8], name: &str, limits: &Limits) -> Result<Plan
     }
 }
 
-/// The picture in a PNG, a JPEG or an OpenEXR file as linear light, Rec. 709 red, green and blue
+/// The picture in a PNG, JPEG, OpenEXR or Radiance HDR file as linear light, Rec. 709 red, green and blue
 /// multiplied by alpha, and alpha: one convention, so that pictures of different kinds compare.
 /// For what counts as the picture in an OpenEXR file see [`ExrImage::colour`].
 ///
@@ -69,6 +72,9 @@ pub fn read_colour(bytes: &[u8], name: &str, limits: &Limits) -> Result<Plane<[f
     if Format::of(bytes) == Some(Format::Exr) {
         let image = read_exr(bytes, name, limits)?;
         return image.colour().ok_or_else(|| no_colour(name, &image));
+    }
+    if Format::of(bytes) == Some(Format::Hdr) {
+        return Ok(super::read_hdr(bytes, name, limits)?.map(|&[r, g, b]| [r, g, b, 1.0]));
     }
     let encoded = read_components(bytes, name, limits)?;
     Ok(encoded.map(|&[r, g, b, a]| {
@@ -104,7 +110,7 @@ fn kind(bytes: &[u8]) -> &'static str {
         (b"II*\0", "TIFF pictures are not read"),
         (b"MM\0*", "TIFF pictures are not read"),
         (b"BM", "BMP pictures are not read"),
-        (b"#?RADIANCE", "Radiance HDR pictures are not read here"),
+        (b"#?RADIANCE", "this is a Radiance HDR picture, which holds no bytes of colour"),
         (b"<", "this is text, perhaps SVG or a web page"),
     ];
     let found = announced.iter().find(|(magic, _)| bytes.starts_with(magic));

@@ -1,0 +1,254 @@
+//! [`CubeBuffer`]: what surrounds a receiver, on the six faces of a cube (thesis, 6.3.2).
+//!
+//! Splats come nearest first; each is a square of its solid angle, moved inside the face of its
+//! direction, and adds its radiance to every texel by the share of the texel that it covers and
+//! that is still free. Coverage ends at 1, so that nearer things hide farther ones.
+
+use crate::cut::Splat;
+use chiaro_basis::math::Vec3;
+
+/// The faces of a cube with texels that hold radiance.
+#[derive(Clone, Debug)]
+pub struct CubeBuffer {
+    shape: CubeShape,
+    texels: Vec<Texel>,
+}
+
+/// One texel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Texel {
+    /// Radiance times coverage.
+    pub light: [f32; 3],
+    /// The share that is covered, in [0, 1].
+    pub coverage: f32,
+    /// Distance times coverage.
+    pub distance: f32,
+}
+
+/// Directions and solid angles of a cube's texels.
+#[derive(Clone, Debug)]
+pub struct CubeShape {
+    side: usize,
+    /// Unit vectors through the texels' centres.
+    pub directions: Vec<Vec3>,
+    /// Steradians.
+    pub solid_angles: Vec<f32>,
+}
+
+/// Coverage above which a texel's radiance is divided by it.
+const NEARLY_FULL: f32 = 0.6;
+/// The mean coverage of the texels around it that this takes.
+const CLOSED: f32 = 0.8;
+
+impl CubeShape {
+    /// A cube of `side` x `side` texels a face.
+    pub fn new(side: usize) -> Self {
+        let mut directions = Vec::with_capacity(6 * side * side);
+        let mut solid_angles = Vec::with_capacity(6 * side * side);
+        let edge = |i: usize| 2.0 * i as f64 / side as f64 - 1.0;
+        // The solid angle under a corner rectangle of the face, in closed form.
+        let corner = |u: f64, v: f64| (u * v).atan2((u * u + v * v + 1.0).sqrt());
+        for face in 0..6 {
+            for y in 0..side {
+                for x in 0..side {
+                    let (u0, u1, v0, v1) = (edge(x), edge(x + 1), edge(y), edge(y + 1));
+                    let omega = corner(u1, v1) - corner(u0, v1) - corner(u1, v0) + corner(u0, v0);
+                    solid_angles.push(omega as f32);
+                    let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
+                    directions.push(on_face(face, u as f32, v as f32).normalize());
+                }
+            }
+        }
+        Self { side, directions, solid_angles }
+    }
+
+    /// Texels along a side.
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// The mean solid angle of a texel.
+    pub fn mean_solid_angle(&self) -> f32 {
+        4.0 * std::f32::consts::PI / (6 * self.side * self.side) as f32
+    }
+
+    /// The texel that a direction falls into.
+    pub fn texel(&self, direction: Vec3) -> usize {
+        let (face, u, v) = face_of(direction);
+        let at = |t: f32| (((0.5 * t + 0.5) * self.side as f32) as usize).min(self.side - 1);
+        (face * self.side + at(v)) * self.side + at(u)
+    }
+}
+
+/// The face of a direction and the place on it, each coordinate in [-1, 1].
+fn face_of(d: Vec3) -> (usize, f32, f32) {
+    let axis = d.abs().max_position();
+    let major = d[axis];
+    let (u, v) = (d[(axis + 1) % 3] / major.abs(), d[(axis + 2) % 3] / major.abs());
+    (2 * axis + usize::from(major < 0.0), u, v)
+}
+
+pub(crate) fn on_face(face: usize, u: f32, v: f32) -> Vec3 {
+    let axis = face / 2;
+    let mut d = Vec3::ZERO;
+    d[axis] = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
+    d[(axis + 1) % 3] = u;
+    d[(axis + 2) % 3] = v;
+    d
+}
+
+impl CubeBuffer {
+    /// An empty buffer.
+    pub fn new(shape: CubeShape) -> Self {
+        let texels = vec![Texel::default(); shape.directions.len()];
+        Self { shape, texels }
+    }
+
+    /// Empties it.
+    pub fn clear(&mut self) {
+        self.texels.fill(Texel::default());
+    }
+
+    /// The directions and solid angles.
+    pub fn shape(&self) -> &CubeShape {
+        &self.shape
+    }
+
+    /// The texels, face by face, row by row.
+    pub fn texels(&self) -> &[Texel] {
+        &self.texels
+    }
+
+    /// Sorts splats by distance and adds them.
+    pub fn add_sorted(&mut self, splats: &mut [Splat]) {
+        splats.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        splats.iter().for_each(|s| self.add(s));
+    }
+
+    /// Adds one splat behind all that are there.
+    pub fn add(&mut self, splat: &Splat) {
+        let side = self.shape.side;
+        let (face, u, v) = face_of(splat.direction);
+        let n = side as f32;
+        // A face's area element is (1 + u^2 + v^2)^(3/2) solid angles.
+        let stretch = (1.0 + u * u + v * v).powf(0.75);
+        let half = (0.25 * n * splat.solid_angle.sqrt() * stretch).min(0.5 * n);
+        let centre = |t: f32| ((0.5 * t + 0.5) * n).clamp(half, n - half);
+        let (x, y) = (centre(u), centre(v));
+        let (x0, x1, y0, y1) = (x - half, x + half, y - half, y + half);
+        let last = |end: f32| (end.ceil() as usize).min(side);
+        for row in y0 as usize..last(y1) {
+            let height = (y1.min(row as f32 + 1.0) - y0.max(row as f32)).max(0.0);
+            for column in x0 as usize..last(x1) {
+                let width = (x1.min(column as f32 + 1.0) - x0.max(column as f32)).max(0.0);
+                self.texels[(face * side + row) * side + column].cover(splat, width * height);
+            }
+        }
+    }
+
+    /// Fills `share` of a texel, before any splat, with something at a distance.
+    pub fn fill(&mut self, texel: usize, radiance: [f32; 3], distance: f32, share: f32) {
+        let splat = Splat { direction: Vec3::ZERO, distance, solid_angle: 0.0, radiance };
+        self.texels[texel].cover(&splat, share);
+    }
+
+    /// A texel's radiance seen by the receiver: divided by its coverage where it is nearly full in
+    /// closed surroundings, and the holes are but cracks between splats.
+    pub fn radiance(&self, texel: usize) -> [f32; 3] {
+        let t = &self.texels[texel];
+        if t.coverage > NEARLY_FULL && t.coverage < 1.0 && self.around(texel) > CLOSED {
+            return t.light.map(|l| l / t.coverage);
+        }
+        t.light
+    }
+
+    /// The mean coverage of the texels around one, on its face.
+    fn around(&self, texel: usize) -> f32 {
+        let side = self.shape.side;
+        let (x, y, face) = (texel % side, texel / side % side, texel / (side * side));
+        let (mut sum, mut count) = (0.0, 0.0);
+        for v in y.saturating_sub(1)..(y + 2).min(side) {
+            for u in x.saturating_sub(1)..(x + 2).min(side) {
+                if (u, v) != (x, y) {
+                    sum += self.texels[(face * side + v) * side + u].coverage;
+                    count += 1.0;
+                }
+            }
+        }
+        sum / f32::max(count, 1.0)
+    }
+}
+
+impl Texel {
+    fn cover(&mut self, splat: &Splat, share: f32) {
+        let share = share.min(1.0 - self.coverage);
+        if share > 0.0 {
+            self.coverage += share;
+            self.distance += share * splat.distance;
+            (0..3).for_each(|c| self.light[c] += share * splat.radiance[c]);
+        }
+    }
+
+    /// The mean distance of what is there; infinite where nothing is.
+    pub fn mean_distance(&self) -> f32 {
+        if self.coverage > 0.0 { self.distance / self.coverage } else { f32::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::random::r2;
+    use std::f32::consts::{PI, TAU};
+
+    #[test]
+    fn texels_tile_the_sphere() {
+        for side in [2, 8, 12] {
+            let shape = CubeShape::new(side);
+            let total: f32 = shape.solid_angles.iter().sum();
+            assert!((total - 4.0 * PI).abs() < 1e-4);
+            for (i, d) in shape.directions.iter().enumerate() {
+                assert_eq!(shape.texel(*d), i);
+            }
+        }
+    }
+
+    #[test]
+    fn a_splat_covers_its_solid_angle() {
+        let mut buffer = CubeBuffer::new(CubeShape::new(16));
+        let mut mean = 0.0;
+        for i in 0..200 {
+            let [u, v] = r2(i);
+            let (z, (sin, cos)) = (1.0 - 2.0 * u, (TAU * v).sin_cos());
+            let r = (1.0 - z * z).sqrt();
+            let direction = Vec3::new(r * cos, r * sin, z);
+            buffer.clear();
+            let radiance = [1.0; 3];
+            buffer.add(&Splat { direction, distance: 1.0, solid_angle: 0.05, radiance });
+            let covered: f32 = buffer
+                .texels()
+                .iter()
+                .zip(&buffer.shape().solid_angles)
+                .map(|(t, omega)| t.coverage * omega)
+                .sum();
+            // Squares that reach over an edge of the cube are moved to where texels are larger.
+            assert!((covered / 0.05 - 1.0).abs() < 0.3, "{direction}: {covered}");
+            mean += covered / 0.05 / 200.0;
+        }
+        assert!((mean - 1.0f32).abs() < 0.05, "{mean}");
+    }
+
+    #[test]
+    fn nearer_splats_hide_farther_ones() {
+        let mut buffer = CubeBuffer::new(CubeShape::new(4));
+        let splat = |distance: f32, red: f32| Splat {
+            direction: Vec3::X,
+            distance,
+            solid_angle: 1.0,
+            radiance: [red, 0.0, 0.0],
+        };
+        buffer.add_sorted(&mut [splat(2.0, 9.0), splat(1.0, 1.0)]);
+        let full = buffer.texels().iter().filter(|t| t.coverage == 1.0);
+        assert!(full.clone().count() > 0 && full.clone().all(|t| (t.light[0] - 1.0).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,76 @@
+//! [`SurfelGrid`]: the surfel nearest to a point of a surface.
+//!
+//! Space is cut into cells three spacings wide, kept in a hash table; a query looks into the eight
+//! cells around its point, so that whatever lies within one and a half spacings is found.
+
+use crate::surfel::Surfels;
+use chiaro_basis::math::{Vec3, vec3};
+
+/// Surfels by place.
+pub struct SurfelGrid {
+    cell: f32,
+    /// Where each bucket begins; one entry more than buckets.
+    starts: Vec<u32>,
+    /// Surfels' indices, bucket by bucket.
+    entries: Vec<u32>,
+}
+
+/// How much a wrong normal counts: spacings squared for a right angle.
+const TURN: f32 = 4.0;
+
+impl SurfelGrid {
+    /// The grid of surfels.
+    pub fn new(surfels: &Surfels) -> Self {
+        let cell = (3.0 * surfels.spacing).max(f32::MIN_POSITIVE);
+        let buckets = (surfels.all.len() / 2).next_power_of_two().max(16);
+        let bucket = |p: Vec3| bucket((p / cell).floor(), buckets);
+        let mut starts = vec![0u32; buckets + 1];
+        for s in &surfels.all {
+            starts[bucket(s.position) + 1] += 1;
+        }
+        for i in 0..buckets {
+            starts[i + 1] += starts[i];
+        }
+        let mut fill = starts.clone();
+        let mut entries = vec![0; surfels.all.len()];
+        for (i, s) in surfels.all.iter().enumerate() {
+            let b = bucket(s.position);
+            entries[fill[b] as usize] = i as u32;
+            fill[b] += 1;
+        }
+        Self { cell, starts, entries }
+    }
+
+    /// The surfel nearest to a point on a surface seen from the side of `normal`, and which of its
+    /// sides that is; `None` when none is near.
+    pub fn nearest(&self, surfels: &Surfels, point: Vec3, normal: Vec3) -> Option<(u32, usize)> {
+        let corner = (point / self.cell - 0.5).floor();
+        let buckets = self.starts.len() - 1;
+        let spacing2 = surfels.spacing * surfels.spacing;
+        // A point a little farther than the cells reach may be found; it would depend on hashing.
+        let mut best = (0.25 * self.cell * self.cell, None);
+        for i in 0..8 {
+            let step = vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+            let b = bucket(corner + step, buckets);
+            for &k in &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize] {
+                let s = &surfels.all[k as usize];
+                let cosine = s.normal.dot(normal);
+                let cost =
+                    (s.position - point).length_squared() + TURN * spacing2 * (1.0 - cosine.abs());
+                let side = usize::from(cosine < 0.0);
+                if cost < best.0 && s.alive[side] {
+                    best = (cost, Some((k, side)));
+                }
+            }
+        }
+        best.1
+    }
+}
+
+fn bucket(cell: Vec3, buckets: usize) -> usize {
+    let [x, y, z] = cell.to_array().map(|c| c as i64 as u64);
+    let h = x.wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ y.wrapping_mul(0xC2B2_AE3D_27D4_EB4F)
+        ^ z.wrapping_mul(0x1656_67B1_9E37_79F9);
+    ((h ^ h >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 32) as usize & (buckets - 1)
+}

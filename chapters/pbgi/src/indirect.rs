@@ -1,0 +1,109 @@
+//! From a lit frame to the irradiance of every pixel.
+
+use crate::bounce::bounce;
+use crate::grid::SurfelGrid;
+use crate::knob::LightKnobs;
+use crate::near::Reflected;
+use crate::payload::{Exact, Payload};
+use crate::pixel::{self, Workspace};
+use crate::site::Site;
+use crate::surfel::{Lit, Surfels};
+use crate::tile;
+use crate::tree::Tree;
+use chiaro_basis::{Result, Run};
+use chiaro_image::Plane;
+use chiaro_trace::{GBuffer, Vertex};
+use rayon::prelude::*;
+
+/// A frame's surfels and tree, ready to be gathered from.
+pub struct Prepared<'a, P: Payload = Exact> {
+    /// The frame.
+    pub lit: Lit<'a>,
+    /// The surfels, in the order of their sites.
+    pub surfels: Surfels,
+    /// Light that surfels received from each other.
+    pub reflected: Reflected,
+    /// The tree over them.
+    pub tree: Tree<P>,
+    /// The knobs.
+    pub knobs: LightKnobs,
+    /// Moves the pattern of near rays, to measure how much a picture depends on it; usually 0.
+    pub shift: u32,
+}
+
+/// Irradiance by reflected light, with counts.
+#[derive(Clone, Debug, Default)]
+pub struct Indirect {
+    /// Linear RGB, at each covered pixel.
+    pub irradiance: Plane<[f32; 3]>,
+    /// Cube buffers filled.
+    pub gathers: u64,
+    /// Nodes visited by all of them.
+    pub visited: u64,
+}
+
+/// Lights the sites of a frame and builds the tree.
+pub fn prepare<'a>(
+    lit: Lit<'a>,
+    sites: &[Site],
+    knobs: &LightKnobs,
+    run: &Run,
+) -> Result<Prepared<'a>> {
+    let mut surfels = Surfels::light(&lit, sites, knobs, run)?;
+    let count = surfels.all.len() as u64;
+    let grid = SurfelGrid::new(&surfels);
+    let times = knobs.bounces.saturating_sub(1);
+    let irradiance = run.stage("direct", count, || {
+        bounce(&lit, &mut surfels, &grid, times, knobs.bounce_rays, run)
+    })?;
+    let tree = run.stage("tree", count, || Tree::build(&surfels.all));
+    let reflected = Reflected { grid, irradiance: if times > 0 { irradiance } else { Vec::new() } };
+    Ok(Prepared { lit, surfels, reflected, tree, knobs: knobs.clone(), shift: 0 })
+}
+
+/// Irradiance by reflected light at the covered pixels of a buffer; nothing with 0 bounces.
+pub fn indirect<P: Payload>(scene: &Prepared<P>, buffer: &GBuffer, run: &Run) -> Result<Indirect> {
+    let (width, height) = buffer.size();
+    let none =
+        Indirect { irradiance: Plane::filled(width, height, [0.0; 3]), ..Indirect::default() };
+    if scene.knobs.bounces == 0 || scene.tree.nodes.is_empty() {
+        return Ok(none);
+    }
+    run.stage("gather", (width * height) as u64, || match scene.knobs.error_bound {
+        bound if bound > 0.0 => tile::indirect(scene, buffer, run),
+        _ => by_pixel(scene, buffer, run),
+    })
+}
+
+/// Every pixel by itself.
+fn by_pixel<P: Payload>(scene: &Prepared<P>, buffer: &GBuffer, run: &Run) -> Result<Indirect> {
+    let (width, height) = buffer.size();
+    let side = scene.knobs.resolution as usize;
+    let rows: Vec<(Vec<[f32; 3]>, u64, u64)> = (0..height)
+        .into_par_iter()
+        .map_init(
+            || Workspace::new(side),
+            |work, y| {
+                run.check()?;
+                let (mut gathers, mut visited) = (0, 0);
+                let row = (0..width)
+                    .map(|x| {
+                        if !buffer.covered[(x, y)] {
+                            return [0.0; 3];
+                        }
+                        let at = Vertex::of_pixel(scene.lit.tracer, buffer, (x, y));
+                        let (e, nodes) = pixel::gather(scene, &at, work, (y * width + x) as u64);
+                        gathers += 1;
+                        visited += nodes;
+                        e
+                    })
+                    .collect();
+                Ok((row, gathers, visited))
+            },
+        )
+        .collect::<Result<_>>()?;
+    let gathers = rows.iter().map(|r| r.1).sum();
+    let visited = rows.iter().map(|r| r.2).sum();
+    let pixels = rows.into_iter().flat_map(|r| r.0).collect();
+    Ok(Indirect { irradiance: Plane::from_pixels(width, height, pixels), gathers, visited })
+}

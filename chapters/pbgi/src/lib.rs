@@ -1,0 +1,51 @@
+//! Point-based global illumination (thesis, chapter 6): indirect light without noise.
+//!
+//! ```text
+//! Frame --sites--> where surfels lie, the same in every frame of a shot
+//!   --Surfels--> position, normal, the area of each living side, radiance by direct light
+//!   --bounce--> radiance by light that was reflected before
+//!   --Tree--> a node for every group: how much it covers and sends, direction by direction
+//! GBuffer + Tree --tile (shared) | pixel (each by itself)--> irradiance of every pixel
+//! ```
+//!
+//! 1. [`sites`] spreads surfels evenly over all triangles ([`site`]).
+//! 2. [`Surfels::light`] lights both sides of each and finds the dead ones: backs of walls, insides
+//!    of closed bodies ([`surfel`], [`side`]).
+//! 3. [`bounce`](bounce::bounce) lets surfels light each other, any number of times.
+//! 4. [`Tree::build`] sums area and radiance lobes bottom-up as spherical harmonics ([`harmonic`],
+//!    [`tree`]); what a node stores is a type parameter ([`payload`]).
+//! 5. [`cut`] chooses nodes by solid angle; they are splatted, nearest first, into a cube buffer
+//!    ([`cube`]). The near field is rays on the triangles, not discs ([`near`]).
+//! 6. [`indirect`] shares one buffer among the pixels of a tile ([`tile`]); with an error bound of
+//!    0 every pixel gathers by itself ([`pixel`]).
+//!
+//! Units: radiance is linear RGB in the units of the scene's lights (candela per square metre where
+//! those are glTF's), irradiance is radiance times steradians, lengths are scene units.
+//!
+//! Guaranteed: the same bits for any number of threads; nothing depends on frames made before.
+//! Not guaranteed: glossy reflection (every surface is Lambertian), and light through openings
+//! smaller than the spacing of surfels beyond the near field.
+
+pub mod bounce;
+pub mod cube;
+pub mod cut;
+pub mod grid;
+pub mod harmonic;
+mod indirect;
+mod knob;
+pub mod near;
+pub mod payload;
+pub mod pixel;
+pub mod resolve;
+pub mod side;
+pub mod site;
+pub mod surfel;
+pub mod tile;
+pub mod tree;
+
+pub use indirect::{Indirect, Prepared, indirect, prepare};
+pub use knob::LightKnobs;
+pub use payload::{Exact, Payload};
+pub use site::{Site, sites};
+pub use surfel::{Lit, Surfel, Surfels};
+pub use tree::{Node, Tree};

@@ -1,0 +1,124 @@
+//! Every receiver by itself: the reference mode of the gather.
+//!
+//! The receiver's cube buffer takes near rays first, one for each quarter of a texel above the
+//! tangent plane, as long as the distance within which leaves are dropped; then the sorted splats
+//! of its own cut. Its irradiance is the sum over texels of radiance times cosine.
+
+use crate::cube::{CubeBuffer, CubeShape};
+use crate::cut::{Chooser, Splat};
+use crate::indirect::Prepared;
+use crate::near;
+use crate::payload::Payload;
+use chiaro_basis::math::Vec3;
+use chiaro_trace::{Sequence, Sides, Vertex};
+
+/// Buffers that a thread uses again and again.
+pub struct Workspace {
+    buffer: CubeBuffer,
+    splats: Vec<Splat>,
+}
+
+impl Workspace {
+    /// For buffers of `side` x `side` texels a face.
+    pub fn new(side: usize) -> Self {
+        Self { buffer: CubeBuffer::new(CubeShape::new(side)), splats: Vec::new() }
+    }
+
+    /// The buffer as the last gather left it.
+    pub fn buffer(&self) -> &CubeBuffer {
+        &self.buffer
+    }
+}
+
+/// Irradiance by reflected light at a receiver; `seed` tells receivers apart. Also the number of
+/// nodes visited.
+pub fn gather<P: Payload>(
+    scene: &Prepared<P>,
+    at: &Vertex,
+    work: &mut Workspace,
+    seed: u64,
+) -> ([f32; 3], u64) {
+    let Workspace { buffer, splats } = work;
+    buffer.clear();
+    splats.clear();
+    let threshold = scene.knobs.solid_angle * buffer.shape().mean_solid_angle();
+    // The distance within which a leaf looks larger than the threshold.
+    let reach = scene.tree.leaf_radius / (threshold / std::f32::consts::PI).sqrt();
+    let near = if scene.knobs.near_field { reach } else { 0.0 };
+    let from = at.position + at.side * at.offset;
+    let chooser =
+        Chooser { from, threshold, near, above: Some(at.side), flat: scene.knobs.flat_nodes };
+    let visited = chooser.cut(&scene.tree, splats);
+    if scene.knobs.near_field {
+        near_rays(scene, at, buffer, near, seed);
+    }
+    buffer.add_sorted(splats);
+    (irradiance(buffer, at.normal), visited)
+}
+
+/// The sum over texels of radiance times the clamped cosine.
+pub fn irradiance(buffer: &CubeBuffer, normal: Vec3) -> [f32; 3] {
+    let mut sum = [0.0; 3];
+    let shape = buffer.shape();
+    for (i, (d, omega)) in shape.directions.iter().zip(&shape.solid_angles).enumerate() {
+        let cosine = d.dot(normal);
+        if cosine > 0.0 {
+            let radiance = buffer.radiance(i);
+            (0..3).for_each(|c| sum[c] += radiance[c] * cosine * omega);
+        }
+    }
+    sum
+}
+
+/// Fills quarters of texels with what is near.
+fn near_rays<P: Payload>(
+    scene: &Prepared<P>,
+    at: &Vertex,
+    buffer: &mut CubeBuffer,
+    reach: f32,
+    seed: u64,
+) {
+    let fine = CubeQuarters::new(buffer.shape().side());
+    let sequence = Sequence::new(seed);
+    for (index, (texel, direction)) in fine.directions().enumerate() {
+        if direction.dot(at.side) <= 0.0 || direction.dot(at.normal) <= 0.0 {
+            continue;
+        }
+        let ray = at.ray(direction, reach);
+        if let Some(hit) = scene.lit.tracer.hit(&ray, Sides::Both) {
+            let met = near::shade(
+                &scene.lit,
+                &scene.surfels,
+                &scene.reflected,
+                &hit,
+                direction,
+                &sequence,
+                index as u32,
+            );
+            buffer.fill(texel, met.radiance, hit.t, 0.25);
+        }
+    }
+}
+
+/// The quarters of a cube's texels.
+struct CubeQuarters {
+    side: usize,
+}
+
+impl CubeQuarters {
+    fn new(side: usize) -> Self {
+        Self { side }
+    }
+
+    /// Texel and direction of each quarter.
+    fn directions(&self) -> impl Iterator<Item = (usize, Vec3)> + '_ {
+        let n = self.side;
+        (0..6 * 4 * n * n).map(move |i| {
+            let (face, rest) = (i / (4 * n * n), i % (4 * n * n));
+            let (x, y) = (rest % (2 * n), rest / (2 * n));
+            let at = |k: usize| (k as f32 + 0.5) / n as f32 - 1.0;
+            let texel = (face * n + y / 2) * n + x / 2;
+            (texel, crate::cube::on_face(face, at(x), at(y)).normalize())
+        })
+    }
+}

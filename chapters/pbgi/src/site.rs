@@ -1,0 +1,81 @@
+//! [`Site`]: where surfels lie, as places on triangles (thesis, 6.3.2, Sampling).
+//!
+//! The cumulative areas of all triangles are cut into equal parts, one surfel in each; inside its
+//! triangle a surfel lies at a point of a low-discrepancy sequence. A site keeps its triangle and
+//! its barycentric coordinates, so that a deforming surface carries its surfels along: chosen once
+//! a shot, they do not swim.
+
+use chiaro_basis::random;
+use chiaro_scene::{Frame, Scene};
+
+/// A place on a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// Index into [`Frame::objects`].
+    pub object: u32,
+    /// Index into the mesh's triangles.
+    pub face: u32,
+    /// Barycentric coordinates of the second and the third vertex.
+    pub b: [f32; 2],
+    /// The share of its triangle's area that it stands for.
+    pub share: f32,
+}
+
+/// About `count` sites, evenly over the area of everything drawn; none when there is no area.
+pub fn sites(scene: &Scene, frame: &Frame, count: usize) -> Vec<Site> {
+    let total: f64 = areas(scene, frame).map(|(_, _, a)| a).sum();
+    if !(total > 0.0 && total.is_finite()) || count == 0 {
+        return Vec::new();
+    }
+    let spacing = total / count as f64;
+    let mut sites: Vec<Site> = Vec::with_capacity(count + 1);
+    let mut before = 0.0;
+    for (object, face, area) in areas(scene, frame) {
+        // The sites at (i + 1/2) spacings that fall into this triangle.
+        let first = (before / spacing + 0.5).floor() as u64;
+        before += area;
+        let end = ((before / spacing + 0.5).floor() as u64).min(count as u64);
+        for index in first..end {
+            let [u, v] = random::r2(index);
+            let b = if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] };
+            let share = (spacing / area) as f32;
+            sites.push(Site { object, face, b, share });
+        }
+    }
+    sites
+}
+
+/// Object, face and area of every triangle drawn that has one.
+fn areas<'a>(scene: &'a Scene, frame: &'a Frame) -> impl Iterator<Item = (u32, u32, f64)> + 'a {
+    frame.objects.iter().enumerate().flat_map(move |(index, object)| {
+        let shape = &frame.shapes[object.shape];
+        let m = object.world_from_shape;
+        let triangles = shape.mesh_in(scene).triangles.iter().enumerate();
+        triangles.filter_map(move |(face, t)| {
+            let [a, b, c] = t.map(|v| m.transform_point3(shape.positions[v as usize]).as_dvec3());
+            let area = 0.5 * (b - a).cross(c - a).length();
+            (area > 0.0 && area.is_finite()).then_some((index as u32, face as u32, area))
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_scene::{Poser, demo};
+
+    #[test]
+    fn sites_are_as_dense_on_every_surface() {
+        let scene = demo::scene("cornell-box").unwrap();
+        let (playback, _) = scene.playback(&Default::default()).unwrap();
+        let frame = Poser::new(&scene).frame(0.0, &playback);
+        let all = sites(&scene, &frame, 20_000);
+        assert!((all.len() as i64 - 20_000).abs() <= 1);
+        let total: f64 = areas(&scene, &frame).map(|(_, _, a)| a).sum();
+        for object in 0..frame.objects.len() as u32 {
+            let area: f64 = areas(&scene, &frame).filter(|a| a.0 == object).map(|a| a.2).sum();
+            let count = all.iter().filter(|s| s.object == object).count() as f64;
+            assert!((count - area / total * 20_000.0).abs() <= 1.0, "{object}: {count}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! [`Surfels`]: sites of a frame with their light (thesis, 6.3.2, Storing Reflected Light).
+//!
+//! A surfel is a flat two-sided piece of surface. Each side has an area, 0 when it is dead, and
+//! sends the same radiance everywhere: albedo / pi times its irradiance. What a surface emits is
+//! not among it: light from what shines is direct light.
+
+use crate::knob::LightKnobs;
+use crate::side;
+use crate::site::Site;
+use chiaro_basis::math::Vec3;
+use chiaro_basis::{Result, Run};
+use chiaro_trace::{Hit, LightNumbers, Lights, Sequence, Surfaces, Tracer, Vertex};
+use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
+
+/// A frame with its light, ready for rays.
+#[derive(Clone, Copy)]
+pub struct Lit<'a> {
+    /// Rays.
+    pub tracer: &'a Tracer<'a>,
+    /// Textures.
+    pub surfaces: &'a Surfaces<'a>,
+    /// Light.
+    pub lights: &'a Lights,
+}
+
+/// A piece of surface. Side 0 is the front.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Surfel {
+    /// World position.
+    pub position: Vec3,
+    /// Unit normal of the front.
+    pub normal: Vec3,
+    /// In scene units squared, whichever sides live.
+    pub area: f32,
+    /// Which sides live.
+    pub alive: [bool; 2],
+    /// Linear RGB.
+    pub albedo: [f32; 3],
+    /// Radiance that leaves each side.
+    pub radiance: [[f32; 3]; 2],
+}
+
+/// The surfels of a frame.
+#[derive(Clone, Debug, Default)]
+pub struct Surfels {
+    /// In the order of their sites.
+    pub all: Vec<Surfel>,
+    /// Mean distance between neighbours: the root of area over number.
+    pub spacing: f32,
+}
+
+/// Light samples a side where light has an extent.
+const SOFT_SAMPLES: u32 = 4;
+
+impl Surfel {
+    /// The area of a side that lives, or 0.
+    pub fn side_area(&self, side: usize) -> f32 {
+        if self.alive[side] { self.area } else { 0.0 }
+    }
+}
+
+impl Surfels {
+    /// Lights the sites of a frame directly, and finds the dead sides.
+    pub fn light(lit: &Lit, sites: &[Site], knobs: &LightKnobs, run: &Run) -> Result<Self> {
+        let mut all: Vec<Surfel> = run.stage("surfels", sites.len() as u64, || {
+            sites.par_iter().map(|s| place(lit.tracer, s)).collect()
+        });
+        let area: f64 = all.iter().map(|s| f64::from(s.area)).sum();
+        let spacing = (area / all.len().max(1) as f64).sqrt() as f32;
+        run.stage("direct", sites.len() as u64, || {
+            all.par_iter_mut().enumerate().try_for_each(|(index, surfel)| {
+                run.check()?;
+                light(lit, &sites[index], surfel, index as u64);
+                if knobs.side_rays > 0 {
+                    side::test(lit.tracer, surfel, spacing, knobs.side_rays, index as u64);
+                }
+                Ok(())
+            })
+        })?;
+        Ok(Self { all, spacing })
+    }
+
+    /// How many sides are dead.
+    pub fn dead_sides(&self) -> usize {
+        self.all.iter().flat_map(|s| s.alive).filter(|a| !a).count()
+    }
+}
+
+/// A surfel without light.
+fn place(tracer: &Tracer, site: &Site) -> Surfel {
+    let [a, b, c] = tracer.corners(site.object, site.face);
+    let cross = (b - a).cross(c - a);
+    let mirrored = tracer.frame.objects[site.object as usize].mirrored;
+    Surfel {
+        position: a + (b - a) * site.b[0] + (c - a) * site.b[1],
+        normal: if mirrored { -cross } else { cross }.normalize_or(Vec3::Y),
+        area: 0.5 * cross.length() * site.share,
+        alive: [true; 2],
+        ..Surfel::default()
+    }
+}
+
+fn light(lit: &Lit, site: &Site, surfel: &mut Surfel, index: u64) {
+    let hit = Hit { t: 0.0, object: site.object, face: site.face, b: site.b };
+    let footprint = surfel.area.sqrt();
+    let sequence = Sequence::new(index);
+    let soft = !lit.lights.glow.is_empty() || lit.lights.sky.is_some();
+    let samples = if soft { SOFT_SAMPLES } else { 1 };
+    for side in 0..2 {
+        let inward = if side == 0 { -surfel.normal } else { surfel.normal };
+        let at = Vertex::of(lit.tracer, lit.surfaces, &hit, inward, footprint);
+        surfel.albedo = at.albedo;
+        if at.albedo == [0.0; 3] {
+            // Nothing is reflected, but the side test must know whether it is lit.
+            surfel.radiance[side] = [0.0; 3];
+        }
+        let mut sum = [0.0; 3];
+        for k in 0..samples {
+            let numbers = numbers(&sequence, k, side as u32);
+            let e = lit.lights.irradiance(lit.tracer, lit.surfaces, &at, &numbers, false);
+            (0..3).for_each(|i| sum[i] += e[i] / samples as f32);
+        }
+        surfel.radiance[side] = std::array::from_fn(|i| at.albedo[i] * FRAC_1_PI * sum[i]);
+    }
+}
+
+/// The numbers for light sample `index`; `set` tells uses apart.
+pub(crate) fn numbers(sequence: &Sequence, index: u32, set: u32) -> LightNumbers {
+    let [u, v] = sequence.point(index, 3 * set);
+    let [triangle, choice] = sequence.point(index, 3 * set + 1);
+    let sky = sequence.point(index, 3 * set + 2);
+    LightNumbers { glow: [triangle, u, v], sky, choice }
+}

@@ -1,0 +1,77 @@
+//! `--check path`: how far a picture is from the path-traced truth.
+
+use super::shot::Shot;
+use chiaro_basis::{Result, Run};
+use chiaro_image::colour::srgb_encode;
+use chiaro_image::tone::Tone;
+use chiaro_image::{Plane, metric};
+use chiaro_pbgi::LightKnobs;
+use chiaro_pbgi::resolve::{Irradiance, Seen, centre};
+use chiaro_pbgi::surfel::Lit;
+use chiaro_trace::GBuffer;
+use chiaro_trace::path::{Aim, PathImage, PathTracer};
+use serde_json::{Map, Value, json};
+
+/// Paths a pixel of the reference, at most, and in a batch.
+const MOST_SAMPLES: u32 = 4096;
+const BATCH: u32 = 64;
+/// The reference's own error, at most, over the error that is measured.
+const SURE: f64 = 0.2;
+
+/// Errors of irradiance at pixel centres against a path-traced reference.
+pub(super) fn against_paths(
+    shot: &Shot,
+    lit: &Lit,
+    buffer: &GBuffer,
+    irradiance: &Irradiance,
+    knobs: &LightKnobs,
+    run: &Run,
+) -> Result<Map<String, Value>> {
+    let (width, height) = buffer.size();
+    let own = Plane::from_fn(width, height, |x, y| centre(lit, buffer, irradiance, (x, y)));
+    let paths = PathTracer {
+        tracer: lit.tracer,
+        surfaces: lit.surfaces,
+        lights: lit.lights,
+        bounces: knobs.bounces,
+    };
+    let mut reference = PathImage::new(width, height);
+    let (error, reference_error) = loop {
+        run.stage("check", (width * height) as u64, || {
+            paths.add(&mut reference, &buffer.pose, BATCH, Aim::Centre, run)
+        })?;
+        let indirect = own.map(|s| s.indirect);
+        let error = metric::rmse_relative(&indirect, &reference.indirect(), &buffer.covered)?;
+        let sure = reference.relative_error(&buffer.covered);
+        let enough = match (error, sure) {
+            (Some(e), Some(s)) => s <= SURE * e,
+            (None, _) => reference.samples() >= 2 * BATCH,
+            _ => false,
+        };
+        if enough || reference.samples() + BATCH > MOST_SAMPLES {
+            break (error, sure);
+        }
+    };
+    let (direct, indirect) = (reference.direct(), reference.indirect());
+    let truth = Plane::from_fn(width, height, |x, y| Seen {
+        direct: direct[(x, y)],
+        indirect: indirect[(x, y)],
+        ..own[(x, y)]
+    });
+    let shown = |p: &Plane<Seen>| displayed(p, shot.exposure, knobs.tone);
+    let (a, b) = (shown(&own), shown(&truth));
+    let mut counts = Map::new();
+    counts.insert("psnr_db".into(), json!(metric::psnr_db(&a, &b)?));
+    counts.insert("rmse_relative".into(), json!(error));
+    counts.insert("reference_error".into(), json!(reference_error));
+    counts.insert("reference_samples".into(), json!(reference.samples()));
+    Ok(counts)
+}
+
+/// A picture as displayed, sRGB-encoded.
+fn displayed(seen: &Plane<Seen>, exposure: f32, tone: Tone) -> Plane<[f32; 3]> {
+    seen.map(|s| {
+        let all = std::array::from_fn(|c| exposure * (s.direct[c] + s.indirect[c] + s.beyond[c]));
+        tone.map(all).map(srgb_encode)
+    })
+}

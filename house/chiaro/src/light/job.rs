@@ -1,0 +1,266 @@
+//! The job: frames in, lit pictures out.
+
+use super::check;
+use super::layers::{Backdrop, Layers};
+use super::shot::Shot;
+use crate::film::{self, Target};
+use crate::project::Project;
+use crate::record::Record;
+use crate::write;
+use chiaro_basis::{Error, Knobs, Result, Run, choice};
+use chiaro_image::{Plane, codec};
+use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
+use chiaro_pbgi::surfel::Lit;
+use chiaro_pbgi::{LightKnobs, indirect, prepare};
+use chiaro_scene::Frame;
+use chiaro_trace::path::{Aim, PathImage, PathTracer};
+use chiaro_trace::{GBuffer, Tracer, ambient_occlusion, direct_irradiance};
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+
+choice! {
+    /// How light is transported.
+    pub enum Method {
+        /// Point-based: no noise.
+        #[default]
+        Pbgi = "pbgi",
+        /// Path tracing: the reference.
+        Path = "path",
+    }
+}
+
+/// Paths a pixel between two looks at the clock and at Ctrl-C.
+const BATCH: u32 = 64;
+/// Reach of the occlusion layer in parts of R, and its rays.
+const OCCLUSION: (f32, usize) = (0.6, 8);
+
+/// A light job.
+pub struct Job<'a> {
+    /// The scene and its film.
+    pub project: &'a Project,
+    /// The knobs, `--set` applied.
+    pub knobs: &'a LightKnobs,
+    /// How light is transported.
+    pub method: Method,
+    /// A picture of the surroundings in latitude and longitude.
+    pub env: Option<PathBuf>,
+    /// Whether errors against the reference are measured.
+    pub check: bool,
+    /// What stands behind the scene.
+    pub backdrop: Option<[f32; 4]>,
+    /// Where the picture goes.
+    pub target: Target,
+}
+
+/// Whether a light job can write such a file.
+pub fn check_target(target: &Target) -> Result<()> {
+    match target.extension().as_str() {
+        "png" | "apng" | "exr" => Ok(()),
+        other => Err(Error::setting(
+            "-o",
+            format!(".{other}"),
+            "a file name that ends in .png, .apng or .exr",
+        )),
+    }
+}
+
+impl Job<'_> {
+    /// Renders and writes every frame that is not there yet.
+    pub fn run(&self, run: &Run) -> Result<Record> {
+        check_target(&self.target)?;
+        let mut record = Record::new("light");
+        let mut counts = Vec::new();
+        let mut pictures = Vec::new();
+        let poser = self.project.poser();
+        let shot = Shot::survey(self.project, self.knobs, self.env.as_deref(), run)?;
+        for number in self.project.frames() {
+            run.check()?;
+            let recipe = self.recipe(&shot, number);
+            let file = self.target.file(number);
+            if let (Target::Pattern(_), Some(output)) =
+                (&self.target, film::finished(&file, &recipe))
+            {
+                record.outputs.push(output);
+                continue;
+            }
+            let frame = self.project.pose(&poser, number, run);
+            let (layers, measures) = self.frame(&shot, &frame, number, run)?;
+            counts.push(Value::Object(measures));
+            if let Target::Animation(_) = self.target {
+                pictures.push(layers.displayed(self.knobs.tone, self.backdrop()));
+                continue;
+            }
+            let bytes =
+                run.stage("tone", layers.seen.len() as u64, || match self.target.extension() {
+                    e if e == "exr" => layers.exr(&recipe),
+                    _ => {
+                        let picture = layers.displayed(self.knobs.tone, self.backdrop());
+                        codec::write_png_rgba(&picture, Some(&recipe))
+                    }
+                })?;
+            let output = run.stage("write", 1, || match self.target {
+                Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
+                _ => write::whole(&file, &bytes),
+            })?;
+            record.outputs.push(output);
+        }
+        if let Target::Animation(path) = &self.target {
+            let recipe = self.recipe(&shot, self.project.frames()[0]);
+            let bytes = codec::write_apng(&pictures, self.project.options.fps, Some(&recipe))?;
+            record.outputs.push(run.stage("write", 1, || write::whole(path, &bytes))?);
+        }
+        record.settings = self.settings(&shot);
+        match counts.as_slice() {
+            [Value::Object(only)] => record.counts = only.clone(),
+            _ => record.count("frames", counts),
+        }
+        Ok(record)
+    }
+
+    fn backdrop(&self) -> Backdrop {
+        self.backdrop.map_or(Backdrop::Sky, Backdrop::Colour)
+    }
+
+    /// One frame's layers and measures.
+    fn frame(
+        &self,
+        shot: &Shot,
+        frame: &Frame,
+        number: u32,
+        run: &Run,
+    ) -> Result<(Layers, Map<String, Value>)> {
+        let size = shot.camera.size;
+        let pixels = (size.0 * size.1) as u64;
+        let pose = shot.camera.pose(frame, number);
+        let (tracer, buffer) = run.stage("trace", pixels, || {
+            let tracer = Tracer::new(&self.project.scene, frame);
+            let buffer = GBuffer::trace(&tracer, &shot.surfaces, &pose, size, run);
+            (tracer, buffer)
+        });
+        let buffer = buffer?;
+        let lights = shot.lights(&tracer);
+        let lit = Lit { tracer: &tracer, surfaces: &shot.surfaces, lights: &lights };
+        let (seen, measures) = match self.method {
+            Method::Pbgi => self.by_points(shot, &lit, &buffer, run)?,
+            Method::Path => self.by_paths(&lit, &buffer, run)?,
+        };
+        let openness = match self.target.extension().as_str() {
+            "exr" => {
+                let radius = OCCLUSION.0 * buffer.radius;
+                let stage = || ambient_occlusion(&tracer, &buffer, radius, OCCLUSION.1, run);
+                Some(run.stage("channels", pixels, stage)?)
+            }
+            _ => None,
+        };
+        let scale = |v: [f32; 3]| v.map(|c| c * shot.exposure);
+        let seen = seen.map(|s| Seen {
+            direct: scale(s.direct),
+            indirect: scale(s.indirect),
+            beyond: scale(s.beyond),
+            coverage: s.coverage,
+        });
+        Ok((Layers { seen, openness, buffer }, measures))
+    }
+
+    fn by_points(
+        &self,
+        shot: &Shot,
+        lit: &Lit,
+        buffer: &GBuffer,
+        run: &Run,
+    ) -> Result<(Plane<Seen>, Map<String, Value>)> {
+        let pixels = buffer.covered.len() as u64;
+        let direct = run
+            .stage("channels", pixels, || direct_irradiance(lit.tracer, buffer, lit.lights, run))?;
+        let scene = prepare(*lit, &shot.sites, self.knobs, run)?;
+        let found = indirect(&scene, buffer, run)?;
+        let irradiance = Irradiance { direct: &direct, indirect: &found.irradiance };
+        let side = self.knobs.edges;
+        let seen = run.stage("draw", pixels, || resolve(lit, buffer, &irradiance, side, run))?;
+        let mut counts = Map::new();
+        let surfels = scene.surfels.all.len();
+        let receivers = buffer.covered.pixels().iter().filter(|c| **c).count();
+        for (name, value) in [
+            ("surfels", json!(surfels)),
+            ("dead_sides", json!(scene.surfels.dead_sides())),
+            ("nodes", json!(scene.tree.nodes.len())),
+            ("lut_entries", json!(0)),
+            ("tree_bytes", json!(scene.tree.bytes())),
+            ("bytes_per_surfel", json!(scene.tree.bytes() as f64 / surfels.max(1) as f64)),
+            ("receivers", json!(receivers)),
+            ("gathers", json!(found.gathers)),
+            ("visited_nodes", json!(found.visited)),
+            ("bounces", json!(self.knobs.bounces)),
+        ] {
+            counts.insert(name.into(), value);
+        }
+        if self.check {
+            let measured = check::against_paths(shot, lit, buffer, &irradiance, self.knobs, run)?;
+            counts.extend(measured);
+        }
+        Ok((seen, counts))
+    }
+
+    fn by_paths(
+        &self,
+        lit: &Lit,
+        buffer: &GBuffer,
+        run: &Run,
+    ) -> Result<(Plane<Seen>, Map<String, Value>)> {
+        let (width, height) = buffer.size();
+        let paths = PathTracer {
+            tracer: lit.tracer,
+            surfaces: lit.surfaces,
+            lights: lit.lights,
+            bounces: self.knobs.bounces,
+        };
+        let mut image = PathImage::new(width, height);
+        while image.samples() < self.knobs.samples {
+            let count = BATCH.min(self.knobs.samples - image.samples());
+            run.stage("gather", (width * height) as u64, || {
+                paths.add(&mut image, &buffer.pose, count, Aim::Spread, run)
+            })?;
+        }
+        let (direct, indirect) = (image.direct(), image.indirect());
+        let (beyond, coverage) = (image.beyond(), image.coverage());
+        let seen = Plane::from_fn(width, height, |x, y| Seen {
+            direct: direct[(x, y)],
+            indirect: indirect[(x, y)],
+            beyond: beyond[(x, y)],
+            coverage: coverage[(x, y)],
+        });
+        let mut counts = Map::new();
+        counts.insert("samples".into(), json!(image.samples()));
+        counts.insert("bounces".into(), json!(self.knobs.bounces));
+        counts.insert("reference_error".into(), json!(image.relative_error(&buffer.covered)));
+        Ok((seen, counts))
+    }
+
+    fn settings(&self, shot: &Shot) -> Map<String, Value> {
+        let mut s = shot.camera.settings(self.project);
+        s.insert("sun".into(), json!(self.project.options.sun));
+        s.insert("method".into(), self.method_word().into());
+        s.insert("env_sha256".into(), json!(shot.env_hash));
+        s.insert("backdrop".into(), json!(self.backdrop));
+        s.insert("exposure_factor".into(), json!(shot.exposure));
+        for (knob, value) in self.knobs.values() {
+            s.insert(knob.name.into(), crate::binary::json_of(&value));
+        }
+        s
+    }
+
+    fn method_word(&self) -> &'static str {
+        Method::WORDS[self.method as usize]
+    }
+
+    /// The recipe of a frame: everything that changes its pixels, and nothing else.
+    fn recipe(&self, shot: &Shot, frame: u32) -> String {
+        let mut settings = self.settings(shot);
+        settings.insert("frame".into(), frame.into());
+        json!({
+            "program": "chiaro", "version": env!("CARGO_PKG_VERSION"), "command": "light",
+            "settings": settings,
+        })
+        .to_string()
+    }
+}
