@@ -52,7 +52,7 @@ const CALM: Manner =
 const BUSY: Manner =
     Manner { tile: 8, resolution: 2.0 / 3.0, threshold: 1.5, reach: 2.0, rays: [40, 0] };
 /// The share of hits among the first rays over which a tile is busy.
-const BUSY_HITS: f32 = 0.1;
+const BUSY_HITS: f32 = 0.3;
 /// The error bound that the numbers of rays are stated for.
 const USUAL_BOUND: f32 = 0.1;
 /// Neighbours within so many footprints share hits.
