@@ -1,5 +1,7 @@
 //! Points against paths.
 
+#![allow(clippy::unwrap_used)]
+
 use chiaro_basis::Run;
 use chiaro_image::metric;
 use chiaro_pbgi::{LightKnobs, Lit, indirect, prepare, sites};

@@ -1,5 +1,7 @@
 //! The reference against closed forms.
 
+#![allow(clippy::unwrap_used)]
+
 use chiaro_basis::Run;
 use chiaro_image::Plane;
 use chiaro_scene::{Frame, Poser, Scene, demo};
