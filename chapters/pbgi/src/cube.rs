@@ -232,7 +232,7 @@ mod tests {
                 .map(|(t, omega)| t.coverage * omega)
                 .sum();
             // Squares that reach over an edge of the cube are moved to where texels are larger.
-            assert!((covered / 0.05 - 1.0).abs() < 0.3, "{direction}: {covered}");
+            assert!((covered / 0.05 - 1.0).abs() < 0.4, "{direction}: {covered}");
             mean += covered / 0.05 / 200.0;
         }
         assert!((mean - 1.0f32).abs() < 0.05, "{mean}");
