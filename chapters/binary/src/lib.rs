@@ -24,6 +24,7 @@ mod knob;
 mod line;
 mod paint;
 mod palette;
+mod plateau;
 mod rows;
 mod shade;
 mod terminal;

@@ -14,6 +14,11 @@ use chiaro_trace::GBuffer;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
+/// Gaps up to this are closed where a line goes on, and dashes from this on take part; pixels at
+/// 480.
+const WIDEST_GAP: f32 = 10.0;
+const LEAST_DASH: f32 = 3.0;
+
 /// Lines to be drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
@@ -51,6 +56,8 @@ impl Lines {
         }
         let (w, h) = covered.size();
         let shortest = scaled(knobs.line_shortest, h);
+        let least = scaled(LEAST_DASH, h).min(shortest);
+        let gap = scaled(WIDEST_GAP, h);
         let rounds = (2.0 * scaled(1.0, h)).ceil() as usize;
         let label = |p: Pixel| if covered[p] { white[p] } else { paper_is_white };
         let lines = |side: bool| {
@@ -59,7 +66,7 @@ impl Lines {
                 let feature = features.marks[(x, y)] & (1 << axis) != 0;
                 feature && label((x, y)) == side && label(q) == side
             };
-            Cracks::mark(w, h, marked).polylines(shortest, rounds)
+            Cracks::mark(w, h, marked).joined(least, gap, shortest, rounds)
         };
         Self {
             black: if knobs.line_black { lines(true) } else { Vec::new() },

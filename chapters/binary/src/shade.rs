@@ -8,6 +8,7 @@ use crate::island::without_islands;
 use crate::knob::{BinaryKnobs, Model, scaled};
 use crate::line::{Features, Lines};
 use crate::paint::Paint;
+use crate::plateau::off_plateaus;
 use crate::terminal::terminal;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
@@ -152,7 +153,8 @@ pub fn expose(views: &[View], shadows: bool, knobs: &BinaryKnobs, run: &Run) -> 
             };
             let samples: Vec<Sample> = views.iter().map(samples).collect();
             let exposure = Exposure::survey(&samples, shadows, knobs);
-            survey.within_band(exposure, knobs.black_min..=knobs.black_max.max(knobs.black_min))?
+            let band = knobs.black_min..=knobs.black_max.max(knobs.black_min);
+            off_plateaus(views, survey.within_band(exposure, band)?, knobs)
         }
     };
     if !knobs.palette.is_empty() {

@@ -8,6 +8,7 @@
 //!    stairs of slanted ones are gone. Ends, junctions and corners stay.
 
 use crate::fit::{Fit, fit};
+use crate::join::{Piece, joined};
 use crate::path::Point;
 use chiaro_image::Plane;
 
@@ -51,15 +52,22 @@ impl Cracks {
     /// The lines that the cracks make, those of connected cracks under `shortest` pixels left out,
     /// smoothed `rounds` times.
     pub fn polylines(&self, shortest: f32, rounds: usize) -> Vec<Polyline> {
+        self.pieces(shortest, rounds).into_iter().map(|p| p.line).collect()
+    }
+
+    /// The same, after lines that go on past a gap of at most `gap` pixels were joined: then their
+    /// lengths count together. Cracks connected over fewer than `least` pixels take no part.
+    pub fn joined(&self, least: f32, gap: f32, shortest: f32, rounds: usize) -> Vec<Polyline> {
+        let lines = joined(self.pieces(least, rounds), gap).into_iter();
+        lines.filter(|p| p.length >= shortest).map(|p| p.line).collect()
+    }
+
+    fn pieces(&self, shortest: f32, rounds: usize) -> Vec<Piece> {
         let mut walk = Walk::new(&self.marks);
         let chains = walk.chains();
         let lengths = component_lengths(&chains, walk.corners_wide());
-        chains
-            .into_iter()
-            .zip(lengths)
-            .filter(|(_, length)| *length >= shortest)
-            .map(|(chain, _)| smoothed(&chain, rounds))
-            .collect()
+        let long = chains.into_iter().zip(lengths).filter(|(_, length)| *length >= shortest);
+        long.map(|(chain, length)| Piece { line: smoothed(&chain, rounds), length }).collect()
     }
 }
 

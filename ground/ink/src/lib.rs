@@ -15,6 +15,7 @@ mod crack;
 mod drawing;
 mod fit;
 mod hatch;
+mod join;
 mod paper;
 mod partition;
 mod path;
