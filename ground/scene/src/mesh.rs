@@ -105,3 +105,9 @@ fn pick<T: Copy>(values: &mut Vec<T>, take: &[u32]) {
         *values = take.iter().map(|&i| values[i as usize]).collect();
     }
 }
+
+/// Whether a position is finite and within 1e12 of the origin along each axis: past that, areas and
+/// distances leave the range of single precision.
+pub(crate) fn is_in_reach(p: Vec3) -> bool {
+    p.abs().max_element() <= 1e12
+}

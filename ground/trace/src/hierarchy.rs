@@ -157,8 +157,10 @@ fn place(frame: &Frame, groups: &[Arc<Group>]) -> Vec<Placed> {
         placed.extend(users.into_iter().filter_map(|i| {
             let m = frame.objects[i].world_from_shape;
             let inverse = m.inverse();
-            // A flat or broken matrix draws nothing.
-            inverse.is_finite().then_some(Placed {
+            let size = farthest(groups[group].boxes.nodes[0].aabb());
+            // A flat or broken matrix draws nothing, nor does one that leads out of reach.
+            let far = m.matrix3.to_cols_array().into_iter().map(f32::abs).fold(0.0, f32::max);
+            (inverse.is_finite() && far * size < 1e13).then_some(Placed {
                 group,
                 group_from_world: Some(inverse),
                 object: Some(i as u32),
@@ -256,4 +258,9 @@ fn build(boxes: &[Aabb], fine: bool) -> Bvh2 {
 
 fn wide(tree: &Bvh2) -> CwBvh {
     bvh2_to_cwbvh(tree, 3, true, false)
+}
+
+/// The greatest coordinate of a box, whatever its sign.
+fn farthest(b: &Aabb) -> f32 {
+    b.min.abs().max(b.max.abs()).max_element()
 }

@@ -11,11 +11,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 static COUNTER: AtomicU64 = AtomicU64::new(0);
 
-/// Writes `bytes` to `path` so that it appears whole or not at all. Missing folders are made.
+/// Writes `bytes` to `path` so that it appears whole or not at all. Missing folders are made. A
+/// device or a pipe (`/dev/stdout`) is written to, and not replaced.
 pub fn whole(path: &Path, bytes: &[u8]) -> Result<Output> {
     let fail = |e: &std::io::Error| Error::output(path.display().to_string(), reason(e));
     if path.is_dir() {
         return Err(Error::output(path.display().to_string(), "is a folder; name a file in it"));
+    }
+    if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
+        let written = File::options().write(true).open(path).and_then(|mut f| f.write_all(bytes));
+        written.map_err(|e| fail(&e))?;
+        return Ok(Output {
+            path: path.to_path_buf(),
+            bytes: bytes.len() as u64,
+            sha256: sha256(bytes),
+        });
     }
     if let Some(parent) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
         fs::create_dir_all(parent).map_err(|e| fail(&e))?;
@@ -70,6 +80,11 @@ mod tests {
         let file = dir.path().join("file");
         fs::write(&file, "x").unwrap();
         assert!(whole(&file.join("a.png"), b"ink").is_err());
+        #[cfg(target_os = "linux")]
+        {
+            let error = whole(Path::new("/dev/full"), b"ink").unwrap_err().to_string();
+            assert!(error.contains("disk is full"), "{error}");
+        }
         assert_eq!(fs::read(&file).unwrap(), b"x");
     }
 }

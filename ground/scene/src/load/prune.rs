@@ -1,12 +1,13 @@
 //! What a mesh has no use for: triangles without a place, vertices without a triangle.
 
 use crate::Mesh;
+use crate::mesh::is_in_reach;
 
-/// Drops triangles with a corner that is not finite, then vertices that no triangle uses; the
+/// Drops triangles with a corner that is not finite or out of reach, then vertices that no triangle uses; the
 /// others keep their order. Hands back how many triangles it dropped. Everything is expected to be
 /// as long as [`Mesh`] says, with `polygons` empty or as long as `triangles`.
 pub(super) fn prune(mesh: &mut Mesh) -> u64 {
-    let finite: Vec<bool> = mesh.positions.iter().map(|p| p.is_finite()).collect();
+    let finite: Vec<bool> = mesh.positions.iter().map(|p| is_in_reach(*p)).collect();
     let keep: Vec<bool> =
         mesh.triangles.iter().map(|t| t.iter().all(|v| finite[*v as usize])).collect();
     let dropped = keep.iter().filter(|kept| !**kept).count();
@@ -21,7 +22,7 @@ pub(super) fn prune(mesh: &mut Mesh) -> u64 {
 
 /// What to say about triangles that [`prune`] dropped, if any.
 pub(super) fn warning(dropped: u64, file: &str) -> Option<String> {
-    let what = "triangles have corners that are not finite, and are left out";
+    let what = "triangles have corners that are not finite or out of reach, and are left out";
     (dropped > 0).then(|| format!("{file}: {dropped} {what}"))
 }
 

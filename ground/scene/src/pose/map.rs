@@ -1,5 +1,6 @@
 //! [`Map`]: an affine map that carries positions, normals and tangents, each in its own way.
 
+use crate::mesh::is_in_reach;
 use chiaro_basis::math::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 
 /// An affine map of space, with what follows from it for directions.
@@ -15,10 +16,10 @@ impl Map {
         Self { affine, normals: normal_matrix(&affine.matrix3), mirrors: mirrors(&affine) }
     }
 
-    /// A position; the origin where it would be out of reach of single precision.
+    /// A position; the origin where it would be out of reach.
     pub(super) fn position(&self, p: Vec3) -> Vec3 {
         let p = self.affine.transform_point3(p.as_dvec3()).as_vec3();
-        if p.is_finite() { p } else { Vec3::ZERO }
+        if is_in_reach(p) { p } else { Vec3::ZERO }
     }
 
     /// A unit normal. Where the map leaves no plane, the normal goes along as a direction.

@@ -141,5 +141,7 @@ fn skin_of<'a>(scene: &'a Scene, node: &Node) -> Option<&'a crate::Skin> {
 /// In single precision; a matrix that overflows it draws nothing rather than everything.
 fn single(m: &DAffine3) -> Affine3A {
     let m = m.as_affine3a();
-    if m.is_finite() { m } else { Affine3A::from_scale(Vec3::ZERO) }
+    let columns = [m.x_axis, m.y_axis, m.z_axis, m.translation];
+    let fits = columns.iter().all(|&c| crate::mesh::is_in_reach(c.into()));
+    if fits { m } else { Affine3A::from_scale(Vec3::ZERO) }
 }

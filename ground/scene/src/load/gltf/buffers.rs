@@ -108,7 +108,7 @@ fn open(uri: &str, place: Place, cx: &mut Context) -> Result<Vec<u8>> {
             Ok(bytes) => bytes,
             Err(Error::Input { why, .. }) => {
                 let place = format!("{place} {uri:?}");
-                let why = format!("{why}; put the file beside the scene, or export as .glb");
+                let why = format!("{why}, or export as .glb");
                 return Err(cx.door.error(place, why));
             }
             Err(other) => return Err(other),

@@ -5,6 +5,7 @@ use super::super::text::{Tally, number, parse, text, words};
 use super::super::{Door, Up};
 use super::lines::{Lines, without_comment};
 use crate::MaterialId;
+use crate::mesh::is_in_reach;
 use chiaro_basis::Result;
 use chiaro_basis::math::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
@@ -138,7 +139,7 @@ impl File {
                 self.left_out.nowhere.note(line);
                 return false;
             }
-            if !corners.iter().all(|c| position(c).is_some_and(|p| p.is_finite())) {
+            if !corners.iter().all(|c| position(c).is_some_and(|p| is_in_reach(*p))) {
                 self.left_out.infinite.note(line);
                 return false;
             }
