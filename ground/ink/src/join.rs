@@ -10,6 +10,9 @@ use std::collections::BTreeMap;
 /// The cosine of how far a gap may turn from the line that it goes on from.
 const AHEAD: f32 = 0.82;
 
+/// How far from its end a line's direction is taken, in pixels.
+const BACK: f32 = 4.0;
+
 /// A line and the length that speaks for it, in pixels: its own, and that of what it is connected
 /// with.
 pub(crate) struct Piece {
@@ -50,10 +53,13 @@ fn free_ends(pieces: &[Piece]) -> Vec<End> {
             continue;
         }
         for at_start in [true, false] {
-            let (point, inner) = match at_start {
-                true => (p[0], p[(p.len() - 1).min(5)]),
-                false => (p[p.len() - 1], p[p.len() - 1 - (p.len() - 1).min(5)]),
+            let inward: Vec<[f32; 2]> = match at_start {
+                true => p.clone(),
+                false => p.iter().rev().copied().collect(),
             };
+            let point = inward[0];
+            let away = |q: &&[f32; 2]| (q[0] - point[0]).hypot(q[1] - point[1]) >= BACK;
+            let inner = *inward.iter().find(away).unwrap_or(&inward[inward.len() - 1]);
             *users.entry(point.map(f32::to_bits)).or_default() += 1;
             if let Some(outward) = unit(inner, point) {
                 ends.push(End { piece: i, at_start, point, outward });
