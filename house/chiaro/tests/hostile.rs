@@ -283,6 +283,7 @@ fn degenerate_meshes_end_in_a_picture_or_a_sentence() {
                         knobs: &style.binary,
                         colours: Colours::default(),
                         dump_graph: None,
+                        painting: None,
                         print: Default::default(),
                         target,
                     };
