@@ -339,7 +339,6 @@ mod tests {
     use super::*;
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn densities_have_unit_area_and_the_shape_of_a_hat() {
         let plane = Plane::filled(8, 1, 0.5f32);
         let mask = Plane::filled(8, 1, true);
@@ -356,7 +355,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn strokes_teach_the_rest_of_the_picture() {
         let plane = Plane::from_fn(20, 1, |x, _| x as f32 / 19.0);
         let mask = Plane::filled(20, 1, true);
@@ -373,7 +371,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn files_read_back_and_say_what_is_wrong() {
         let text =
             "# test\nsize 64 48\nwhite 3 1,2 3.5,4\nblack 0 frame 7 9,9 # dot\nerase 2 1,2\n";
@@ -382,7 +379,7 @@ mod tests {
         assert_eq!(Strokes::parse("b", &strokes.to_text()).unwrap(), strokes);
         let seven = strokes.drawn((64, 48), 7);
         assert_eq!((seven[(9, 9)], strokes.drawn((64, 48), 8)[(9, 9)]), (Some(false), None));
-        assert_eq!((seven[(0, 2)], seven[(6, 4)]), (None, Some(true)));
+        assert_eq!((seven[(0, 2)], seven[(5, 4)]), (None, Some(true)));
         assert_eq!(strokes.drawn((128, 96), 7)[(18, 18)], Some(false));
         assert_eq!(strokes.undo().unwrap().label, None);
         assert_eq!(strokes.drawn((64, 48), 7)[(0, 2)], Some(true));
@@ -404,7 +401,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn strokes_outside_the_picture_are_harmless() {
         let text = "white 5 -900000,3 -5,900000\nblack 9000 500000,500000\n";
         let strokes = Strokes::parse("a", text).unwrap();
@@ -414,7 +410,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn painted_pixels_cannot_flip() {
         let mask = Plane::filled(9, 9, true);
         let drawn = Plane::from_fn(9, 9, |x, y| ((x, y) == (4, 4)).then_some(false));

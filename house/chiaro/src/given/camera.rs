@@ -141,7 +141,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn a_camera_is_found_from_positions_and_depths() {
         let (w, h) = (40, 30);
         let pose = pose();
@@ -161,7 +160,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn a_turn_is_found_from_two_sets_of_normals() {
         let pose = pose();
         let normals = (0..50).map(|i| {

@@ -43,7 +43,6 @@ fn drawn(given: &Given) -> Picture {
 }
 
 #[test]
-#[ignore = "compiles, but has not been run yet"]
 fn a_picture_with_normals_is_shaded() {
     let (_dir, name, normals) = ball();
     let maps = Maps { normals: Some(normals), ..Maps::default() };
@@ -55,7 +54,6 @@ fn a_picture_with_normals_is_shaded() {
 }
 
 #[test]
-#[ignore = "compiles, but has not been run yet"]
 fn normals_may_point_down_and_maps_must_fit() {
     let (dir, name, normals) = ball();
     let maps = Maps { normals: Some(normals.clone()), normals_y_down: true, ..Maps::default() };
@@ -70,7 +68,6 @@ fn normals_may_point_down_and_maps_must_fit() {
 }
 
 #[test]
-#[ignore = "compiles, but has not been run yet"]
 fn one_pixel_and_empty_masks_are_pictures() {
     for alpha in [0u8, 255] {
         for (w, h) in [(1, 1), (1, 300), (7, 3)] {
@@ -118,7 +115,6 @@ fn blender(with_position: bool) -> (Given, chiaro_binary::View) {
 }
 
 #[test]
-#[ignore = "compiles, but has not been run yet"]
 fn renders_by_others_have_the_geometry_of_the_scene() {
     for with_position in [true, false] {
         let (given, scene) = blender(with_position);
@@ -141,7 +137,6 @@ fn renders_by_others_have_the_geometry_of_the_scene() {
 }
 
 #[test]
-#[ignore = "compiles, but has not been run yet"]
 fn files_without_layers_and_damaged_ones_are_one_sentence() {
     let plane = ExrChannel::F32(Plane::filled(4, 4, 1.0));
     let image =

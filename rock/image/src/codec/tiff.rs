@@ -136,7 +136,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "compiles, but has not been run yet"]
     fn what_is_written_decodes_to_the_same_pixels() {
         for (w, h) in [(1, 1), (9, 3), (1, 700), (301, 40)] {
             let white = Plane::from_fn(w, h, |x, y| (x * x / 7 + y * y / 5) % 3 != 0);
