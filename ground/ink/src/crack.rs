@@ -220,7 +220,34 @@ fn fitted(points: &[[f32; 2]], closed: bool) -> Polyline {
     if closed && points.len() > 1 {
         points.pop();
     }
-    Polyline { points, closed }
+    let source: Vec<[f32; 2]> = fine.iter().map(|p| p.map(|x| x as f32)).collect();
+    if strays(&points, &source) {
+        Polyline { points: source, closed }
+    } else {
+        Polyline { points, closed }
+    }
+}
+
+/// Whether a fitted line leaves the points that it was fitted to by more than two pixels: a fit
+/// that ran away.
+fn strays(line: &[[f32; 2]], source: &[[f32; 2]]) -> bool {
+    let n = source.len();
+    let apart = |p: &[f32; 2], i: usize| {
+        let q = source[i % n];
+        (p[0] - q[0]).hypot(p[1] - q[1])
+    };
+    let nearest = |p: &[f32; 2], mut among: std::ops::Range<usize>| {
+        let first = among.next().unwrap_or(0);
+        among.fold(first, |best, i| if apart(p, i) < apart(p, best) { i } else { best })
+    };
+    let Some(first) = line.first() else { return false };
+    let mut at = nearest(first, 0..n);
+    line.windows(2).any(|pair| {
+        // Curves are drawn by few points: look as far ahead as the step is long.
+        let step = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+        at = nearest(&pair[1], at..at + 4 + 3 * step as usize);
+        apart(&pair[1], at) > 2.0
+    })
 }
 
 fn middle(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
@@ -288,6 +315,14 @@ mod tests {
             });
             assert!(turns.sum::<f32>() < 0.6, "slope {slope}: {:?}", lines[0].points);
         }
+    }
+
+    #[test]
+    fn a_line_that_leaves_its_points_is_found_out() {
+        let source: Vec<[f32; 2]> = (0..60).map(|i| [i as f32, 0.2 * (i % 2) as f32]).collect();
+        assert!(!strays(&[[0.0, 0.0], [30.0, 0.5], [59.0, 0.0]], &source));
+        assert!(strays(&[[0.0, 0.0], [30.0, 9.0], [59.0, 0.0]], &source));
+        assert!(strays(&[[0.0, 0.0], [-20.0, -20.0]], &source));
     }
 
     #[test]
