@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// Animated 3D scenes with few marks and much light.
 #[derive(Parser)]
-#[command(name = "chiaro", version, about, max_term_width = 100)]
+#[command(name = "chiaro", version, max_term_width = 100)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

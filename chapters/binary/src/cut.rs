@@ -62,7 +62,7 @@ impl Graph {
     /// The minimal cut.
     pub fn solve(&self) -> Result<Labels> {
         let (width, height) = self.mask.size();
-        let cut = chiaro_mincut::solve(&self.grid())
+        let cut = chiaro_mincut::solve_on(&self.grid(), rayon::current_num_threads())
             .map_err(|e| Error::setting("neighbour", e, "weights that the cut can add up"))?;
         let white = Plane::from_pixels(width, height, cut.labels);
         Ok(Labels { white, flow: cut.flow, cut: cut.cut })

@@ -82,7 +82,7 @@ pub fn centre(lit: &Lit, buffer: &GBuffer, irradiance: &Irradiance, pixel: (usiz
 }
 
 fn beyond(lit: &Lit, direction: Vec3) -> [f32; 3] {
-    lit.lights.sky.as_ref().map(|s| s.radiance(direction)).unwrap_or_default()
+    lit.lights.sky.as_ref().map(|s| s.backdrop(direction)).unwrap_or_default()
 }
 
 /// Whether a pixel and its neighbours do not show one smooth surface of one material.

@@ -36,7 +36,7 @@ impl Family {
     /// range ends before `i32::MAX`.
     ///
     /// # Errors
-    /// As [`solve`].
+    /// As [`solve`](crate::solve).
     pub fn new(grid: &Grid, shifts: RangeInclusive<i32>) -> Result<Self, GridError> {
         grid.check()?;
         let shifts = [*shifts.start(), (*shifts.end()).min(i32::MAX - 1)];

@@ -32,7 +32,7 @@ pub struct GBuffer {
     pub smooth_normal: Plane<[f32; 3]>,
     /// Unit normal of the triangle in world space, on the side that is seen.
     pub geometric_normal: Plane<[f32; 3]>,
-    /// Object id: index of [`Frame::objects`] plus one.
+    /// Object id: index in the frame's objects plus one.
     pub object: Plane<u32>,
     /// Material id: index of the scene's materials plus one.
     pub material: Plane<u32>,

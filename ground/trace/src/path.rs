@@ -199,7 +199,7 @@ impl PathTracer<'_> {
                     sum.covered += 1;
                 }
                 Some((None, direction)) => {
-                    let beyond = self.lights.sky.as_ref().map(|s| s.radiance(direction));
+                    let beyond = self.lights.sky.as_ref().map(|s| s.backdrop(direction));
                     (0..3).for_each(|i| sum.beyond[i] += beyond.unwrap_or_default()[i]);
                 }
                 None => {}

@@ -73,6 +73,25 @@ impl Sky {
         self.radiance[self.texel(towards)]
     }
 
+    /// Radiance from a direction, smooth between the texels: for a backdrop that is seen, where
+    /// [`Sky::radiance`] is for estimates that [`Sky::density`] weighs.
+    pub fn backdrop(&self, towards: Vec3) -> [f32; 3] {
+        let (width, height) = self.radiance.size();
+        let [u, v] = Self::place(towards);
+        let (x, y) =
+            (u * width as f32 - 0.5, (v * height as f32 - 0.5).clamp(0.0, height as f32 - 1.0));
+        let (column, row) = (x.floor(), y.floor());
+        let (s, t) = (x - column, y - row);
+        let columns =
+            [column, column + 1.0].map(|c| (c as isize).rem_euclid(width as isize) as usize);
+        let rows = [row as usize, (row as usize + 1).min(height - 1)];
+        let [a, b] = rows.map(|y| columns.map(|x| self.radiance[(x, y)]));
+        std::array::from_fn(|c| {
+            let [above, below] = [a, b].map(|[left, right]| left[c] + (right[c] - left[c]) * s);
+            above + (below - above) * t
+        })
+    }
+
     /// The density with which [`Sky::sample`] finds a direction, per solid angle.
     pub fn density(&self, towards: Vec3) -> f32 {
         if self.is_black() { 0.0 } else { luminance(self.radiance(towards)) / self.power }
@@ -96,10 +115,15 @@ impl Sky {
         Some(SkySample { towards, radiance, density: luminance(radiance) / self.power })
     }
 
+    /// Where a direction lies on the picture, both in [0, 1].
+    fn place(towards: Vec3) -> [f32; 2] {
+        let u = towards.x.atan2(-towards.z) / TAU + 0.5;
+        [u, towards.y.clamp(-1.0, 1.0).acos() / PI]
+    }
+
     fn texel(&self, towards: Vec3) -> (usize, usize) {
         let (width, height) = self.radiance.size();
-        let u = towards.x.atan2(-towards.z) / TAU + 0.5;
-        let v = towards.y.clamp(-1.0, 1.0).acos() / PI;
+        let [u, v] = Self::place(towards);
         let place = |t: f32, n: usize| ((t * n as f32) as usize).min(n - 1);
         (place(u, width), place(v, height))
     }
@@ -173,6 +197,22 @@ mod tests {
             })
             .sum();
         assert!((density - 1.0).abs() < 0.05, "{density}");
+    }
+
+    #[test]
+    fn a_backdrop_is_the_texel_at_its_centre_and_the_mean_between_two() {
+        let sky = Sky::new(Plane::from_fn(8, 4, |x, y| [x as f32, y as f32, 1.0]));
+        let towards = |u: f32, v: f32| {
+            let (longitude, latitude) = (TAU * (u - 0.5), PI * v);
+            let sine = latitude.sin();
+            Vec3::new(sine * longitude.sin(), latitude.cos(), -sine * longitude.cos())
+        };
+        let near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
+        assert!(near(sky.backdrop(towards(2.5 / 8.0, 1.5 / 4.0)), [2.0, 1.0, 1.0]));
+        assert!(near(sky.backdrop(towards(3.0 / 8.0, 2.0 / 4.0)), [2.5, 1.5, 1.0]));
+        // Once round: between the last column and the first.
+        assert!(near(sky.backdrop(towards(0.0, 1.5 / 4.0)), [3.5, 1.0, 1.0]));
+        assert!(near(sky.backdrop(Vec3::Y), [sky.backdrop(Vec3::Y)[0], 0.0, 1.0]));
     }
 
     #[test]

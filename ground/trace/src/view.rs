@@ -1,6 +1,6 @@
 //! The default view: from where to look at a scene that brings no camera.
 //!
-//! An object is seen from three quarters ([`object`]), a room from inside ([`room`]).
+//! An object is seen from three quarters (`object`), a room from inside (`room`).
 
 mod object;
 mod room;

@@ -1,8 +1,8 @@
 //! [`Surface`]: all that is drawn as one oriented manifold with the same ids in every frame.
 //!
 //! 1. Each object's triangles are welded ([`chiaro_scene::topology`]) and wound alike; edges where
-//!    more than two triangles meet, or where no winding agrees, are cut ([`build`]).
-//! 2. Creases are opened and closed again with a strip of no width ([`bevel`]): on both sides of a
+//!    more than two triangles meet, or where no winding agrees, are cut (`build`).
+//! 2. Creases are opened and closed again with a strip of no width (`bevel`): on both sides of a
 //!    crease the vertices have normals of their own, and the strip turns from one to the other. The
 //!    surface stays closed, and a silhouette runs along a sharp edge as along a round one.
 //! 3. Half-edge 3 f + c runs from corner c of face f to the next; `mate` is the one across.

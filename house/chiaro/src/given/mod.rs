@@ -3,7 +3,7 @@
 //!
 //! What the file does not bring is missing, never made up: without normals the geometry is that of
 //! the depth, without either there are no features; occlusion and reflection are there only as
-//! layers. For the camera see [`camera`], for names of layers see [`layers`].
+//! layers. For the camera see `camera`, for names of layers see `layers`.
 
 mod camera;
 mod layers;

@@ -1,6 +1,6 @@
 //! `chiaro light`: scenes under full light, one picture or a film.
 //!
-//! 1. Once for the shot ([`shot`]): the camera, the light where the scene has none, where surfels
+//! 1. Once for the shot (`shot`): the camera, the light where the scene has none, where surfels
 //!    lie, and the exposure, measured on a few small frames.
 //! 2. A frame at a time: rays, direct light, surfels, tree, gathers, and the file, written whole.
 
