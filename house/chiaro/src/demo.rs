@@ -3,14 +3,15 @@
 
 use crate::binary::{Colours, Job};
 use crate::film::Target;
-use crate::lines;
 use crate::page::{self, Section};
 use crate::project::{Options, Project};
 use crate::record::Record;
 use crate::style::Style;
 use crate::write;
+use crate::{light, lines};
 use chiaro_basis::{Result, Run};
 use chiaro_lines::{LineColour, LinesKnobs};
+use chiaro_pbgi::LightKnobs;
 use std::path::Path;
 
 /// One still of the demo: scene, style, caption.
@@ -54,6 +55,7 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
     };
     record.outputs.extend(draw(scene, "ink", options, &folder.join(&film), run)?);
     let lines = line_pictures(folder, &mut record, run)?;
+    let lit = light_pictures(folder, &mut record, run)?;
     let sections = [
         Section {
             title: "Binary shading".into(),
@@ -68,6 +70,13 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
                    through the film; in the film each line has a colour of its own, and keeps it."
                 .into(),
             pictures: lines,
+        },
+        Section {
+            title: "Light".into(),
+            text: "Direct light, shadows, and light that surfaces pass on to each other, gathered \
+                   from points: no noise, and the same bytes every time."
+                .into(),
+            pictures: lit,
         },
         Section {
             title: "A short film".into(),
@@ -109,6 +118,33 @@ fn line_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(S
             sheet: chiaro_ink::Sheet::default(),
             pen: None,
             target: Target::parse(&folder.join(file), count as usize)?,
+        };
+        record.outputs.extend(job.run(run)?.outputs);
+        pictures.push((file.to_owned(), caption.to_owned()));
+    }
+    Ok(pictures)
+}
+
+/// Scenes under full light: scene, file, caption.
+const LIGHT: [(&str, &str, &str); 2] = [
+    ("bowl", "bowl-light.png", "A bowl of fruit in the sun: colours pass from fruit to fruit."),
+    ("cornell-box", "box-light.png", "A box lit by its lamp alone, and by what the walls pass on."),
+];
+
+/// Lights the scenes: files with their captions.
+fn light_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(String, String)>> {
+    let mut pictures = Vec::new();
+    for (scene, file, caption) in LIGHT {
+        let options = Options { size: Some((640, 480)), ..Options::default() };
+        let project = Project::open(&format!("demo:{scene}"), options, run)?;
+        let job = light::Job {
+            project: &project,
+            knobs: &LightKnobs::default(),
+            method: light::Method::default(),
+            env: None,
+            check: false,
+            backdrop: None,
+            target: Target::parse(&folder.join(file), 1)?,
         };
         record.outputs.extend(job.run(run)?.outputs);
         pictures.push((file.to_owned(), caption.to_owned()));
