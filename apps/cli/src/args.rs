@@ -233,6 +233,10 @@ pub(crate) struct SceneArgs {
     /// Make missing files errors.
     #[arg(long)]
     strict: bool,
+    /// Begin again whenever the scene, a file around it or another file named here changes, until
+    /// Ctrl-C.
+    #[arg(long)]
+    pub(crate) watch: bool,
 }
 
 /// How it is drawn.
@@ -393,6 +397,18 @@ impl Command {
             | Self::Mincut { common, .. }
             | Self::Style { action: StyleAction::List { common, .. } } => Some(common),
             Self::Style { .. } | Self::Completions { .. } | Self::Man => None,
+        }
+    }
+
+    /// The scene of those that have one.
+    pub(crate) fn scene(&self) -> Option<&SceneArgs> {
+        match self {
+            Self::Info { scene, .. }
+            | Self::Gbuffer { scene, .. }
+            | Self::Binary { scene, .. }
+            | Self::Lines { scene, .. }
+            | Self::Light { scene, .. } => Some(scene),
+            _ => None,
         }
     }
 }

@@ -7,6 +7,7 @@
 mod args;
 mod command;
 mod progress;
+mod watch;
 
 use args::{Cli, Command};
 use chiaro::Stopwatch;
@@ -14,8 +15,10 @@ use chiaro::record::Record;
 use chiaro_basis::{Cancel, Error, Result, Run};
 use clap::Parser;
 use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
+use watch::Watch;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -44,16 +47,40 @@ fn run(cli: &Cli) -> Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     pool.map_err(|e| Error::setting("--threads", threads, e.to_string()))?;
     let cancel = watch_for_ctrl_c()?;
+    match cli.command.scene().filter(|s| s.watch) {
+        Some(scene) => again_and_again(cli, &scene.scene, &cancel),
+        None => once(cli, &cancel).map(drop),
+    }
+}
+
+/// Runs the command; the files that it wrote.
+fn once(cli: &Cli, cancel: &Cancel) -> Result<Vec<PathBuf>> {
+    let common = cli.command.common();
     let quiet = common.is_none_or(|c| c.quiet);
     let verbose = common.is_some_and(|c| c.verbose);
     let watch = Arc::new(Stopwatch::new(progress::observer(quiet, verbose)));
-    let run = Run::new(cancel, watch.clone());
-    let record = command::run(&cli.command, &run)?;
-    if let Some(mut record) = record {
-        record.finish(&watch);
-        report(&cli.command, &record)?;
+    let run = Run::new(cancel.clone(), watch.clone());
+    let Some(mut record) = command::run(&cli.command, &run)? else { return Ok(Vec::new()) };
+    record.finish(&watch);
+    report(&cli.command, &record)?;
+    Ok(record.outputs.into_iter().map(|o| o.path).collect())
+}
+
+/// Runs the command whenever what it reads has changed. What is wrong with a file now may be right
+/// the next time: only a stop ends it.
+fn again_and_again(cli: &Cli, scene: &str, cancel: &Cancel) -> Result<()> {
+    let mut watch = Watch::new(scene, std::env::args().skip(1));
+    let json = cli.command.common().and_then(|c| c.json.as_deref());
+    let mut outputs = Vec::new();
+    loop {
+        match once(cli, cancel) {
+            Ok(written) => outputs.extend(written.iter().filter_map(|p| p.canonicalize().ok())),
+            Err(Error::Cancelled) => return Err(Error::Cancelled),
+            Err(error) => say_error(&error.to_string()),
+        }
+        outputs.extend(json.and_then(|p| Path::new(p).canonicalize().ok()));
+        watch.wait(&outputs, cancel)?;
     }
-    Ok(())
 }
 
 fn watch_for_ctrl_c() -> Result<Cancel> {

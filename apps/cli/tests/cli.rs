@@ -279,3 +279,34 @@ fn a_maximum_flow_problem_is_solved_checked_and_written() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("b.max: line 5: "), "{}", stderr(&output));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_watched_scene_is_drawn_again_when_it_changes_and_not_before() {
+    let dir = folder();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_chiaro"))
+        .current_dir(dir.path())
+        .args(["binary", "cube.obj", "-o", "cube.png", "--size", "32x32", "--watch", "-q"])
+        .args(["--json", "record.json"])
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let (picture, record) = (dir.path().join("cube.png"), dir.path().join("record.json"));
+    let wait = |done: &dyn Fn() -> bool| {
+        (0..400).any(|_| {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            done()
+        })
+    };
+    assert!(wait(&|| record.exists()), "the first picture");
+    let first = std::fs::read(&picture).unwrap();
+    let made = |path: &Path| std::fs::metadata(path).unwrap().modified().unwrap();
+    let time = made(&record);
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    assert_eq!(made(&record), time, "its own files do not wake it");
+    std::fs::write(dir.path().join("cube.obj"), CUBE.replace("f 1 4 3 2\n", "")).unwrap();
+    let redrawn = wait(&|| std::fs::read(&picture).is_ok_and(|p| p != first));
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(redrawn, "the second picture");
+}
