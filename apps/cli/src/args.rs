@@ -1,11 +1,13 @@
 //! Arguments as typed: one table for parser, help, man page and completions.
 
+use chiaro::colours::Colours;
 use chiaro::given::Maps;
 use chiaro::number::{parse_frames, parse_numbers, parse_size};
 use chiaro::painting::Painting;
 use chiaro::project::{Options, parse_point};
 use chiaro::vector::{Print, Sheet, length};
 use chiaro_basis::{Error, Result};
+use chiaro_image::colour::parse_colour;
 use chiaro_scene::Choice;
 use chiaro_scene::load::Up;
 use clap::{Args, Parser, Subcommand};
@@ -76,6 +78,8 @@ pub(crate) enum Command {
         output: PathBuf,
         #[command(flatten)]
         marks: MarksArgs,
+        #[command(flatten)]
+        print: PrintArgs,
         #[command(flatten)]
         common: Common,
     },
@@ -248,12 +252,36 @@ pub(crate) struct InkArgs {
     /// Set a knob; `chiaro style show ink` lists them all.
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub(crate) sets: Vec<String>,
+    #[command(flatten)]
+    pub(crate) colours: ColourArgs,
+}
+
+/// Ink and background.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ColourArgs {
     /// Colour where there is nothing, or none.
     #[arg(long, value_name = "COLOUR", default_value = "white")]
-    pub(crate) background: String,
+    background: String,
     /// Colour of the ink.
     #[arg(long, value_name = "COLOUR", default_value = "black")]
-    pub(crate) ink: String,
+    ink: String,
+}
+
+impl ColourArgs {
+    /// What the arguments mean.
+    pub(crate) fn colours(&self) -> Result<Colours> {
+        let ink = colour("--ink", &self.ink)?;
+        let background = colour("--background", &self.background)?;
+        Ok(Colours { ink, background, ..Colours::default() })
+    }
+}
+
+/// A colour as an option has it.
+pub(crate) fn colour(option: &str, text: &str) -> Result<[f32; 4]> {
+    parse_colour(text).map_err(|e| match e {
+        Error::Setting { got, range, .. } => Error::setting(option, got, range),
+        other => other,
+    })
 }
 
 /// How lines are drawn.
@@ -262,24 +290,11 @@ pub(crate) struct MarksArgs {
     /// What becomes of hidden lines: drop or dashed.
     #[arg(long, value_name = "HOW")]
     pub(crate) hidden: Option<String>,
-    /// Paper of SVG files: A4, A3-landscape, letter, 200x300mm [default: as large as the picture].
-    #[arg(long, value_name = "PAPER")]
-    pub(crate) paper: Option<String>,
-    /// What stays free around the picture on paper [default: 10mm].
-    #[arg(long, value_name = "LENGTH")]
-    pub(crate) margin: Option<String>,
-    /// Width of the pen of SVG files, as in 0.3mm.
-    #[arg(long, value_name = "LENGTH")]
-    pub(crate) pen: Option<String>,
     /// Set a knob, as in width=3; the manual of the library chiaro-lines lists them all.
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub(crate) sets: Vec<String>,
-    /// Colour where there is nothing, or none.
-    #[arg(long, value_name = "COLOUR", default_value = "white")]
-    pub(crate) background: String,
-    /// Colour of the ink.
-    #[arg(long, value_name = "COLOUR", default_value = "black")]
-    pub(crate) ink: String,
+    #[command(flatten)]
+    pub(crate) colours: ColourArgs,
 }
 
 /// Maps beside a colour image, and strokes on it.
@@ -336,7 +351,7 @@ pub(crate) struct PrintArgs {
     /// Whether the picture fills the paper, or lies in its middle at 96 pixels to the inch.
     #[arg(long, value_name = "fit|centre", default_value = "fit")]
     place: String,
-    /// Draw vectors for a plotter with a pen of this width: hatching instead of fills.
+    /// Draw vectors with a pen of this width, as in 0.3mm: strokes alone, hatching instead of fills.
     #[arg(long, value_name = "LENGTH")]
     pen: Option<String>,
 }

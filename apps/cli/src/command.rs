@@ -1,7 +1,7 @@
 //! Commands: what each does, and what it says at the end.
 
-use crate::args::{Cli, Command, InkArgs, LightArgs, MarksArgs, StyleAction};
-use chiaro::binary::{self, Colours};
+use crate::args::{Cli, Command, InkArgs, LightArgs, StyleAction, colour};
+use chiaro::binary::{self, Look};
 use chiaro::film::Target;
 use chiaro::given::{self, Given};
 use chiaro::project::Project;
@@ -9,8 +9,6 @@ use chiaro::record::Record;
 use chiaro::style::{self, Style};
 use chiaro::{compare, compare_films, demo, figures, gbuffer, info, light, lines, mincut};
 use chiaro_basis::{Error, Knobs, Result, Run};
-use chiaro_image::colour::parse_colour;
-use chiaro_ink::{Sheet, length};
 use chiaro_lines::LinesKnobs;
 use clap::CommandFactory;
 use std::io::Write;
@@ -30,19 +28,21 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
         }
         Command::Binary { scene, output, ink, print, maps, dump_graph, .. } => {
             let options = scene.options()?;
-            let print = print.print()?;
             let (style, knobs) = knobs(ink)?;
-            let colours = colours(&ink.ink, &ink.background)?;
             let frames = options.frames.as_ref().map_or(1, Vec::len);
             let target = Target::parse(output, frames)?;
             binary::check_target(&target)?;
-            let painting = maps.painting()?;
+            let look = Look {
+                style: &style,
+                knobs: &knobs,
+                colours: ink.colours.colours()?,
+                print: print.print()?,
+                painting: maps.painting()?,
+            };
             let maps = maps.maps();
             if given::is_picture(&scene.scene) {
                 let given = &Given::open(&scene.scene, &maps, run)?;
-                let (style, knobs) = (&style, &knobs);
-                let job = given::Job { given, style, knobs, colours, print, painting, target };
-                return job.run(run).map(Some);
+                return given::Job { given, look, target }.run(run).map(Some);
             }
             if maps.any() {
                 let range =
@@ -50,31 +50,22 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 return Err(Error::setting("SCENE", &scene.scene, range));
             }
             let project = Project::open(&scene.scene, options, run)?;
-            let job = binary::Job {
-                project: &project,
-                style: &style,
-                knobs: &knobs,
-                colours,
-                print,
-                painting,
-                target,
-                dump_graph: dump_graph.clone(),
-            };
+            let (project, dump_graph) = (&project, dump_graph.clone());
+            let job = binary::Job { project, look, target, dump_graph };
             job.run(run).map(Some)
         }
-        Command::Lines { scene, output, marks, .. } => {
+        Command::Lines { scene, output, marks, print, .. } => {
             let options = scene.options()?;
             let mut knobs = LinesKnobs::default();
             marks.sets.iter().try_for_each(|text| style::set(&mut knobs, text))?;
             if let Some(hidden) = &marks.hidden {
                 knobs.set("hidden", hidden)?;
             }
-            let colours = colours(&marks.ink, &marks.background)?;
-            let (sheet, pen) = paper(marks)?;
+            let (colours, print) = (marks.colours.colours()?, print.print()?);
             let target = lines::target(output, options.frames.as_ref().map_or(1, Vec::len))?;
             let project = Project::open(&scene.scene, options, run)?;
             let (project, knobs) = (&project, &knobs);
-            lines::Job { project, knobs, colours, sheet, pen, target }.run(run).map(Some)
+            lines::Job { project, knobs, colours, print, target }.run(run).map(Some)
         }
         Command::Compare { a, b, motion, .. } => {
             match (motion, [a, b].into_iter().find(|p| compare_films::is_film(p))) {
@@ -163,39 +154,9 @@ impl LightSettings {
             }
             Some(other) => return Err(Error::setting("--check", other, "path")),
         };
-        let backdrop = args.background.as_deref().map(|t| named("--background", t)).transpose()?;
+        let backdrop = args.background.as_deref().map(|t| colour("--background", t)).transpose()?;
         Ok(Self { knobs, method, check, backdrop })
     }
-}
-
-/// A colour as an option has it.
-fn named(option: &str, text: &str) -> Result<[f32; 4]> {
-    parse_colour(text).map_err(|e| match e {
-        Error::Setting { got, range, .. } => Error::setting(option, got, range),
-        other => other,
-    })
-}
-
-fn colours(ink: &str, background: &str) -> Result<Colours> {
-    Ok(Colours {
-        ink: named("--ink", ink)?,
-        background: named("--background", background)?,
-        ..Colours::default()
-    })
-}
-
-/// The paper and the pen's width in millimetres.
-fn paper(marks: &MarksArgs) -> Result<(Sheet, Option<f64>)> {
-    let mut sheet = Sheet::default();
-    if let Some(paper) = &marks.paper {
-        sheet.set_paper(paper)?;
-        sheet.margin = 10.0;
-    }
-    if let Some(margin) = &marks.margin {
-        sheet.margin = length("--margin", margin, 0.0..=1000.0)?;
-    }
-    let pen = marks.pen.as_ref().map(|p| length("--pen", p, 0.01..=50.0)).transpose()?;
-    Ok((sheet, pen))
 }
 
 fn list_styles(output: &Option<std::path::PathBuf>, run: &Run) -> Result<Option<Record>> {

@@ -1,12 +1,14 @@
 //! `chiaro demo`: pictures from embedded scenes through every pipeline there is, a short film, and
 //! a page that shows them.
 
-use crate::binary::{Colours, Job};
+use crate::binary::{Job, Look};
+use crate::colours::Colours;
 use crate::film::Target;
 use crate::page::{self, Section};
 use crate::project::{Options, Project};
 use crate::record::Record;
 use crate::style::Style;
+use crate::vector::Print;
 use crate::write;
 use crate::{light, lines};
 use chiaro_basis::{Result, Run};
@@ -31,8 +33,11 @@ const STILLS: [(&str, &str, &str); 8] = [
 ];
 
 /// The film: scene, frames, caption.
-const FILM: (&str, u32, &str) =
-    ("multipod", 24, "A walk that repeats; every frame is a minimal cut of its own.");
+const FILM: (&str, u32, &str) = (
+    "multipod",
+    24,
+    "A walk that repeats, cut along the motion: regions move with what they lie on.",
+);
 
 /// Makes the demo in `folder`.
 pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
@@ -115,8 +120,7 @@ fn line_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(S
             project: &project,
             knobs: &knobs,
             colours: Colours::default(),
-            sheet: chiaro_ink::Sheet::default(),
-            pen: None,
+            print: Print::default(),
             target: Target::parse(&folder.join(file), count as usize)?,
         };
         record.outputs.extend(job.run(run)?.outputs);
@@ -167,16 +171,6 @@ fn draw(
     let style = Style::find(style)?;
     let project = Project::open(&format!("demo:{scene}"), options, run)?;
     let target = Target::parse(path, project.frames().len())?;
-    let colours = Colours::default();
-    let job = Job {
-        project: &project,
-        style: &style,
-        knobs: &style.binary,
-        colours,
-        print: Default::default(),
-        target,
-        painting: None,
-        dump_graph: None,
-    };
+    let job = Job { project: &project, look: Look::of(&style), target, dump_graph: None };
     Ok(job.run(run)?.outputs)
 }

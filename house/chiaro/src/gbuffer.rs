@@ -1,17 +1,16 @@
 //! `chiaro gbuffer`: geometry and appearance as named layers of one EXR file a frame.
 
 use crate::binary::Shot;
-use crate::film::{self, Target};
+use crate::film::Target;
+use crate::frames::Frames;
 use crate::project::Project;
-use crate::record::Record;
-use crate::write;
+use crate::record::{Record, frame_recipe};
 use chiaro_basis::{Error, Result, Run};
 use chiaro_binary::{BinaryKnobs, Channel, View};
 use chiaro_image::Plane;
 use chiaro_image::codec::{ExrChannel, ExrImage, write_exr};
 use chiaro_scene::Frame;
 use chiaro_trace::motion;
-use serde_json::json;
 
 /// A G-buffer job.
 pub struct Job<'a> {
@@ -32,34 +31,23 @@ impl Job<'_> {
         let knobs = BinaryKnobs::default();
         let poser = self.project.poser();
         let shot = Shot::survey(self.project, &knobs, run)?;
-        for number in self.project.frames() {
+        record.settings = shot.view_settings();
+        let recipe = |number| frame_recipe("gbuffer", shot.view_settings(), number);
+        let mut frames = Frames::new(&self.target, &recipe);
+        for number in frames.missing(self.project.frames()) {
             run.check()?;
-            let recipe = self.recipe(&shot, number);
-            let file = self.target.file(number);
-            if let (Target::Pattern(_), Some(output)) =
-                (&self.target, film::finished(&file, &recipe))
-            {
-                record.outputs.push(output);
-                continue;
-            }
             let frame = self.project.pose(&poser, number, run);
             let before = self.project.pose(&poser, number.saturating_sub(1).max(1), run);
             let view = shot.everything(&frame, number, run)?;
             let flow = self.motion(&shot, &view, (&frame, number), &before);
-            let bytes = write_exr(&layers(&view, &flow, &recipe))?;
-            let output = run.stage("write", 1, || match self.target {
-                Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
-                _ => write::whole(&file, &bytes),
-            })?;
+            let bytes = write_exr(&layers(&view, &flow, &recipe(number)))?;
+            frames.write(number, &bytes, run)?;
             let covered = view.buffer.covered.pixels().iter().filter(|c| **c).count();
-            record.count("covered", covered);
-            record.count("pixels", view.buffer.covered.len());
-            record.outputs.push(output);
+            let counts = [("covered", covered), ("pixels", view.buffer.covered.len())];
+            frames
+                .measured(number, counts.map(|(k, v)| (k.into(), v.into())).into_iter().collect());
         }
-        record.setting("input", self.project.file_name());
-        record.setting("input_sha256", self.project.hash.clone());
-        record.setting("size", json!([shot.camera.size.0, shot.camera.size.1]));
-        record.setting("camera", shot.camera.note.clone());
+        frames.finish(self.project.options.fps, &mut record, run)?;
         Ok(record)
     }
 
@@ -72,16 +60,6 @@ impl Job<'_> {
     ) -> Plane<[f32; 2]> {
         let pose = shot.camera.pose(before, number.saturating_sub(1).max(1));
         motion(&view.buffer, &self.project.scene, frame, before, &pose)
-    }
-
-    fn recipe(&self, shot: &Shot<'_>, frame: u32) -> String {
-        let mut settings = shot.view_settings();
-        settings.insert("frame".into(), frame.into());
-        json!({
-            "program": "chiaro", "version": env!("CARGO_PKG_VERSION"), "command": "gbuffer",
-            "settings": settings,
-        })
-        .to_string()
     }
 }
 

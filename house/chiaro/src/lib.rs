@@ -6,13 +6,14 @@
 
 pub mod binary;
 pub mod camera;
+pub mod colours;
 pub mod compare;
 pub mod compare_films;
 pub mod demo;
 mod disk;
-mod dump;
 pub mod figures;
 pub mod film;
+mod frames;
 pub mod gbuffer;
 pub mod given;
 pub mod info;
@@ -23,10 +24,8 @@ pub mod mincut;
 pub mod number;
 pub mod page;
 pub mod painting;
-mod plates;
 pub mod project;
 pub mod record;
-mod reel;
 pub mod style;
 pub mod vector;
 pub mod write;

@@ -1,8 +1,8 @@
 //! The machine-readable record of a job, and the stopwatch that times its stages.
 
-use chiaro_basis::Observer;
+use chiaro_basis::{Knobs, Observer};
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -86,6 +86,34 @@ impl Record {
         }
         self.peak_bytes = peak_bytes();
     }
+}
+
+/// The recipe of a picture, which its file carries: everything that changes it, and nothing else.
+pub(crate) fn recipe(command: &str, settings: Map<String, Value>) -> String {
+    json!({
+        "program": "chiaro", "version": env!("CARGO_PKG_VERSION"), "command": command,
+        "settings": settings,
+    })
+    .to_string()
+}
+
+/// The recipe of frame `number`.
+pub(crate) fn frame_recipe(command: &str, mut settings: Map<String, Value>, number: u32) -> String {
+    settings.insert("frame".into(), number.into());
+    recipe(command, settings)
+}
+
+/// All knobs of a table as settings.
+pub(crate) fn knob_settings(knobs: &impl Knobs) -> impl Iterator<Item = (String, Value)> {
+    knobs.values().into_iter().map(|(knob, value)| {
+        let value = match value {
+            chiaro_basis::Value::Number(x) => json!(x),
+            chiaro_basis::Value::Count(n) => json!(n),
+            chiaro_basis::Value::Switch(b) => json!(b),
+            chiaro_basis::Value::Word(w) => json!(w),
+        };
+        (knob.name.to_owned(), value)
+    })
 }
 
 /// Times stages and collects warnings; hands both on to another observer, such as a progress bar.

@@ -6,7 +6,7 @@
 //!    With a pen: each colour but the paper's is hatched, the wider apart the lighter it is.
 //! 3. Lines: joined within 0.1 mm, fitted to 0.05 mm, ordered for little travel, one layer a pen.
 
-use crate::binary::Colours;
+use crate::colours::Colours;
 use chiaro_basis::Result;
 use chiaro_binary::{BinaryKnobs, Lines, scaled};
 use chiaro_image::Plane;

@@ -4,7 +4,7 @@
 //! `CHIARO_MUTANTS=200000 cargo test -p chiaro --release --test hostile` tries that many.
 #![allow(clippy::unwrap_used, reason = "a test may panic, also in its own functions")]
 
-use chiaro::binary::{Colours, Job};
+use chiaro::binary::{Job, Look};
 use chiaro::film::Target;
 use chiaro::project::{Options, Project};
 use chiaro::style::Style;
@@ -277,16 +277,8 @@ fn degenerate_meshes_end_in_a_picture_or_a_sentence() {
             let result =
                 Project::open(&file.to_string_lossy(), options, &run).and_then(|project| {
                     let target = Target::Single(out.clone());
-                    let job = Job {
-                        project: &project,
-                        style: &style,
-                        knobs: &style.binary,
-                        colours: Colours::default(),
-                        dump_graph: None,
-                        painting: None,
-                        print: Default::default(),
-                        target,
-                    };
+                    let look = Look::of(&style);
+                    let job = Job { project: &project, look, target, dump_graph: None };
                     job.run(&run)
                 });
             if let Err(e) = result {

@@ -1,10 +1,11 @@
 //! Films side by side: figure 3.15, and the measures of flicker on three kinds of motion.
 
 use super::Figure;
-use crate::binary::{Colours, Picture, Shot};
+use crate::binary::reel::{Labelling, shoot};
+use crate::binary::{Picture, Shot};
+use crate::colours::Colours;
 use crate::lighting::Lighting;
 use crate::project::{Options, Project};
-use crate::reel::{Labelling, shoot};
 use chiaro_basis::{Result, Run};
 use chiaro_binary::BinaryKnobs;
 use chiaro_image::Plane;

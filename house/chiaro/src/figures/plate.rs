@@ -1,6 +1,7 @@
 //! [`Plate`]: one view of a demo scene, ready to be drawn with many settings.
 
-use crate::binary::{Colours, Shot, draw, shape_counts};
+use crate::binary::{Shot, counts, draw};
+use crate::colours::Colours;
 use crate::project::{Options, Project};
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
@@ -187,5 +188,5 @@ fn grey(marks: &Marks) -> Plane<[u8; 3]> {
 
 /// Pieces under 30 pixels at 480 that touch the other colour.
 fn islands(white: &Plane<bool>, covered: &Plane<bool>) -> f64 {
-    shape_counts(white, covered)["islands_under_30px"].as_f64().unwrap_or(0.0)
+    counts::shape(white, covered)["islands_under_30px"].as_f64().unwrap_or(0.0)
 }

@@ -9,17 +9,14 @@ mod camera;
 mod layers;
 mod view;
 
-use crate::binary::{self, Colours, Encoding, Picture};
+use crate::binary::{self, Encoding, Look, Picture, Plates};
 use crate::disk;
-use crate::film::{self, Target};
-use crate::painting::Painting;
-use crate::plates::{Plates, uses_paper};
-use crate::record::Record;
-use crate::style::Style;
-use crate::vector::Print;
+use crate::film::Target;
+use crate::frames::Frames;
+use crate::record::{Record, recipe};
 use crate::write;
-use chiaro_basis::{Error, Knobs, Result, Run};
-use chiaro_binary::{BinaryKnobs, Exposure, expose, scaled};
+use chiaro_basis::{Error, Result, Run};
+use chiaro_binary::{Exposure, expose, scaled};
 use chiaro_image::codec::{Format, Limits, read_colour, read_components, read_exr};
 use chiaro_image::{Plane, filter};
 use layers::Layers;
@@ -158,16 +155,8 @@ fn discontinuities(grey: &Plane<f32>) -> Plane<bool> {
 pub struct Job<'a> {
     /// The picture.
     pub given: &'a Given,
-    /// The style.
-    pub style: &'a Style,
-    /// The knobs, `--set` applied.
-    pub knobs: &'a BinaryKnobs,
-    /// The colours.
-    pub colours: Colours,
-    /// How vectors and print sizes lie on paper.
-    pub print: Print,
-    /// Strokes, if any.
-    pub painting: Option<Painting>,
+    /// What the picture looks like.
+    pub look: Look<'a>,
     /// Where the picture goes.
     pub target: Target,
 }
@@ -178,30 +167,17 @@ impl Job<'_> {
         let encoding = Encoding::of(&self.target)?;
         let mut record = Record::new("binary");
         let (picture, exposure) = self.picture(run)?;
-        record.settings = self.settings(&exposure);
-        let recipe = json!({
-            "program": "chiaro", "version": env!("CARGO_PKG_VERSION"), "command": "binary",
-            "settings": record.settings,
-        })
-        .to_string();
+        let settings = self.settings(&exposure, encoding);
+        let recipe = |_| recipe("binary", settings.clone());
+        let mut frames = Frames::new(&self.target, &recipe);
         let mut counts = picture.counts.clone();
-        let plates = Plates {
-            colours: &self.colours,
-            knobs: self.knobs,
-            print: &self.print,
-            title: &self.given.file_name(),
-            recipe: &recipe,
-        };
-        let file = self.target.file(1);
-        let output = run.stage("write", 1, || {
-            let bytes = plates.bytes(encoding, &picture, &mut counts)?;
-            match self.target {
-                Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
-                _ => write::whole(&file, &bytes),
-            }
-        })?;
-        record.outputs.push(output);
-        record.counts = counts;
+        let (title, recipe) = (self.given.file_name(), recipe(1));
+        let plates = Plates { look: &self.look, title: &title, recipe: &recipe };
+        let bytes = run.stage("draw", 1, || plates.bytes(encoding, &picture, &mut counts))?;
+        frames.write(1, &bytes, run)?;
+        frames.measured(1, counts);
+        frames.finish(1.0, &mut record, run)?;
+        record.settings = settings;
         Ok(record)
     }
 
@@ -209,12 +185,12 @@ impl Job<'_> {
         let layers = &self.given.layers;
         let pixels = (layers.size.0 * layers.size.1) as u64;
         let exposure = self.exposure(run)?;
-        let view = run.stage("channels", pixels, || view::view(layers, self.knobs));
-        let paint = self.painting.as_ref().map(|p| p.paint(&view, 1));
-        let how = (&self.colours, paint.as_ref());
-        let mut picture = binary::draw(&view, &exposure, self.knobs, how, run)?;
+        let view = run.stage("channels", pixels, || view::view(layers, self.look.knobs));
+        let paint = self.look.painting.as_ref().map(|p| p.paint(&view, 1));
+        let how = (&self.look.colours, paint.as_ref());
+        let mut picture = binary::draw(&view, &exposure, self.look.knobs, how, run)?;
         if let Some(lines) = &layers.lines {
-            picture.marks.draw_map(lines, 0.5 * scaled(self.knobs.smooth, layers.size.1));
+            picture.marks.draw_map(lines, 0.5 * scaled(self.look.knobs.smooth, layers.size.1));
         }
         Ok((picture, exposure))
     }
@@ -223,28 +199,17 @@ impl Job<'_> {
     fn exposure(&self, run: &Run) -> Result<Exposure> {
         let height = self.given.layers.size.1;
         let step = (height / binary::SURVEY_HEIGHT).max(1);
-        let small = view::view(&self.given.layers.thinned(step), self.knobs);
-        expose(&[small], true, self.knobs, run)
+        let small = view::view(&self.given.layers.thinned(step), self.look.knobs);
+        expose(&[small], true, self.look.knobs, run)
     }
 
-    fn settings(&self, exposure: &Exposure) -> Map<String, Value> {
+    fn settings(&self, exposure: &Exposure, encoding: Encoding) -> Map<String, Value> {
         let mut s = Map::new();
         s.insert("input".into(), self.given.file_name().into());
         s.insert("input_sha256".into(), self.given.hash.clone().into());
         s.insert("size".into(), json!([self.given.layers.size.0, self.given.layers.size.1]));
         s.insert("maps".into(), Value::Object(self.given.maps.clone()));
-        s.insert("style".into(), self.style.name.clone().into());
-        s.insert("colours".into(), self.colours.settings());
-        s.insert("exposure".into(), binary::exposure_settings(exposure));
-        if let Some(painting) = &self.painting {
-            s.insert("painting".into(), painting.settings());
-        }
-        if uses_paper(&self.target) {
-            s.insert("print".into(), self.print.settings());
-        }
-        for (knob, value) in self.knobs.values() {
-            s.insert(knob.name.into(), binary::json_of(&value));
-        }
+        s.extend(self.look.settings(exposure, encoding));
         s
     }
 }

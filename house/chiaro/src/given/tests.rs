@@ -1,6 +1,8 @@
 use super::*;
 use crate::project::{Options, Project};
+use crate::style::Style;
 use chiaro_basis::math::Vec3;
+use chiaro_binary::BinaryKnobs;
 use chiaro_image::codec::{ExrChannel, ExrImage, write_exr, write_png_rgba};
 
 const SIZE: usize = 96;
@@ -30,15 +32,9 @@ fn ball() -> (tempfile::TempDir, String, PathBuf) {
 }
 
 fn drawn(given: &Given) -> Picture {
-    let job = Job {
-        given,
-        style: &Style::find("ink").unwrap(),
-        knobs: &BinaryKnobs::default(),
-        colours: Colours::default(),
-        print: Print::default(),
-        painting: None,
-        target: Target::Single("a.png".into()),
-    };
+    let style = Style::find("ink").unwrap();
+    let target = Target::Single("a.png".into());
+    let job = Job { given, look: Look::of(&style), target };
     job.picture(&Run::default()).unwrap().0
 }
 

@@ -3,18 +3,18 @@
 use super::check;
 use super::layers::{Backdrop, Layers};
 use super::shot::Shot;
-use crate::film::{self, Target};
+use crate::film::Target;
+use crate::frames::Frames;
 use crate::project::Project;
-use crate::record::Record;
-use crate::write;
-use chiaro_basis::{Error, Knobs, Result, Run, choice};
+use crate::record::{Record, frame_recipe, knob_settings};
+use chiaro_basis::{Error, Result, Run, choice};
 use chiaro_image::{Plane, codec};
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::Lit;
 use chiaro_pbgi::{LightKnobs, indirect, prepare};
 use chiaro_scene::Frame;
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
-use chiaro_trace::{GBuffer, Tracer, ambient_occlusion, direct_irradiance};
+use chiaro_trace::{GBuffer, ambient_occlusion, direct_irradiance};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -69,51 +69,29 @@ impl Job<'_> {
     pub fn run(&self, run: &Run) -> Result<Record> {
         check_target(&self.target)?;
         let mut record = Record::new("light");
-        let mut counts = Vec::new();
-        let mut pictures = Vec::new();
         let poser = self.project.poser();
         let shot = Shot::survey(self.project, self.knobs, self.env.as_deref(), run)?;
-        for number in self.project.frames() {
+        record.settings = self.settings(&shot);
+        let recipe = |number| frame_recipe("light", self.settings(&shot), number);
+        let mut frames = Frames::new(&self.target, &recipe);
+        for number in frames.missing(self.project.frames()) {
             run.check()?;
-            let recipe = self.recipe(&shot, number);
-            let file = self.target.file(number);
-            if let (Target::Pattern(_), Some(output)) =
-                (&self.target, film::finished(&file, &recipe))
-            {
-                record.outputs.push(output);
-                continue;
-            }
             let frame = self.project.pose(&poser, number, run);
             let (layers, measures) = self.frame(&shot, &frame, number, run)?;
-            counts.push(Value::Object(measures));
-            if let Target::Animation(_) = self.target {
-                pictures.push(layers.displayed(self.knobs.tone, self.backdrop()));
+            frames.measured(number, measures);
+            let pixels = layers.seen.len() as u64;
+            let displayed = || layers.displayed(self.knobs.tone, self.backdrop());
+            if frames.are_one_file() {
+                frames.keep(number, run.stage("tone", pixels, displayed));
                 continue;
             }
-            let bytes =
-                run.stage("tone", layers.seen.len() as u64, || match self.target.extension() {
-                    e if e == "exr" => layers.exr(&recipe),
-                    _ => {
-                        let picture = layers.displayed(self.knobs.tone, self.backdrop());
-                        codec::write_png_rgba(&picture, Some(&recipe))
-                    }
-                })?;
-            let output = run.stage("write", 1, || match self.target {
-                Target::Pattern(_) => film::write_frame(&file, &bytes, &recipe),
-                _ => write::whole(&file, &bytes),
+            let bytes = run.stage("tone", pixels, || match self.target.extension().as_str() {
+                "exr" => layers.exr(&recipe(number)),
+                _ => codec::write_png_rgba(&displayed(), Some(&recipe(number))),
             })?;
-            record.outputs.push(output);
+            frames.write(number, &bytes, run)?;
         }
-        if let Target::Animation(path) = &self.target {
-            let recipe = self.recipe(&shot, self.project.frames()[0]);
-            let bytes = codec::write_apng(&pictures, self.project.options.fps, Some(&recipe))?;
-            record.outputs.push(run.stage("write", 1, || write::whole(path, &bytes))?);
-        }
-        record.settings = self.settings(&shot);
-        match counts.as_slice() {
-            [Value::Object(only)] => record.counts = only.clone(),
-            _ => record.count("frames", counts),
-        }
+        frames.finish(self.project.options.fps, &mut record, run)?;
         Ok(record)
     }
 
@@ -133,7 +111,7 @@ impl Job<'_> {
         let pixels = (size.0 * size.1) as u64;
         let pose = shot.camera.pose(frame, number);
         let (tracer, buffer) = run.stage("trace", pixels, || {
-            let tracer = Tracer::new(&self.project.scene, frame);
+            let tracer = self.project.tracer(frame);
             let buffer = GBuffer::trace(&tracer, &shot.surfaces, &pose, size, run);
             (tracer, buffer)
         });
@@ -243,24 +221,11 @@ impl Job<'_> {
         s.insert("env_sha256".into(), json!(shot.env_hash));
         s.insert("backdrop".into(), json!(self.backdrop));
         s.insert("exposure_factor".into(), json!(shot.exposure));
-        for (knob, value) in self.knobs.values() {
-            s.insert(knob.name.into(), crate::binary::json_of(&value));
-        }
+        s.extend(knob_settings(self.knobs));
         s
     }
 
     fn method_word(&self) -> &'static str {
         Method::WORDS[self.method as usize]
-    }
-
-    /// The recipe of a frame: everything that changes its pixels, and nothing else.
-    fn recipe(&self, shot: &Shot, frame: u32) -> String {
-        let mut settings = self.settings(shot);
-        settings.insert("frame".into(), frame.into());
-        json!({
-            "program": "chiaro", "version": env!("CARGO_PKG_VERSION"), "command": "light",
-            "settings": settings,
-        })
-        .to_string()
     }
 }

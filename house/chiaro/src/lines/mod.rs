@@ -7,15 +7,15 @@ mod document;
 pub(crate) mod picture;
 mod svg;
 
-use crate::binary::Colours;
 use crate::camera::Camera;
-use crate::film::{self, Target};
+use crate::colours::Colours;
+use crate::film::Target;
+use crate::frames::Frames;
 use crate::project::Project;
-use crate::record::Record;
-use crate::write;
-use chiaro_basis::{Error, Knobs, Result, Run};
+use crate::record::{Record, frame_recipe, knob_settings};
+use crate::vector::Print;
+use chiaro_basis::{Error, Result, Run};
 use chiaro_image::codec;
-use chiaro_ink::Sheet;
 use chiaro_lines::{Film, LinesKnobs, Reel, View};
 use chiaro_scene::Frame;
 use serde_json::{Map, Value, json};
@@ -31,10 +31,8 @@ pub struct Job<'a> {
     pub knobs: &'a LinesKnobs,
     /// Ink and background.
     pub colours: Colours,
-    /// The paper that SVG files are drawn on.
-    pub sheet: Sheet,
-    /// The pen's width in millimetres, for SVG; `None`: the strokes' own.
-    pub pen: Option<f64>,
+    /// The paper that SVG files are drawn on, and the pen's width where it is not the strokes' own.
+    pub print: Print,
     /// Where the lines go.
     pub target: Target,
 }
@@ -113,103 +111,81 @@ impl Job<'_> {
         let encoding = Encoding::of(&self.target)?;
         let mut record = Record::new("lines");
         let camera = camera(self.project, run)?;
-        record.settings = self.settings(&camera);
-        let frames = self.project.frames();
-        let there = |n: &u32| film::finished(&self.target.file(*n), &self.recipe(&camera, *n));
-        if let Target::Pattern(_) = self.target {
-            let done: Vec<_> = frames.iter().filter_map(there).collect();
-            if done.len() == frames.len() {
-                record.outputs = done;
-                return Ok(record);
-            }
+        let settings = self.settings(&camera);
+        let recipe = |number| frame_recipe("lines", settings.clone(), number);
+        let mut frames = Frames::new(&self.target, &recipe);
+        let missing = frames.missing(self.project.frames());
+        if !missing.is_empty() {
+            let shot = Shot::track(self.project, camera, self.knobs, run)?;
+            self.write(&shot, &missing, (encoding, &recipe), &mut frames, run)?;
+            frames.measured(missing[0], measures(&shot));
         }
-        let shot = Shot::track(self.project, camera, self.knobs, run)?;
-        match (&self.target, encoding) {
-            (Target::Pattern(_), _) => self.write_frames(&shot, encoding, &mut record, run)?,
-            (Target::Single(path), Encoding::Json) => {
-                let text = document::document(&shot, &frames);
-                record.outputs.push(run.stage("write", 1, || write::whole(path, text.as_bytes()))?);
-            }
-            (Target::Single(path), _) => {
-                let bytes = self.encode(&shot, frames[0], encoding, run)?;
-                record.outputs.push(run.stage("write", 1, || write::whole(path, &bytes))?);
-            }
-            (Target::Animation(path), _) => {
-                let draw = |n: &u32| picture::picture(&shot, *n, self.knobs, &self.colours);
-                let pictures: Vec<_> =
-                    run.stage("draw", frames.len() as u64, || frames.iter().map(draw).collect());
-                let recipe = self.recipe(&shot.camera, frames[0]);
-                let bytes = codec::write_apng(&pictures, self.project.options.fps, Some(&recipe))?;
-                record.outputs.push(run.stage("write", 1, || write::whole(path, &bytes))?);
-            }
-        }
-        count(&shot, &mut record);
+        frames.finish(self.project.options.fps, &mut record, run)?;
+        record.settings = settings;
         Ok(record)
     }
 
-    fn write_frames(
+    fn write(
         &self,
         shot: &Shot,
-        encoding: Encoding,
-        record: &mut Record,
+        numbers: &[u32],
+        (encoding, recipe): (Encoding, &dyn Fn(u32) -> String),
+        frames: &mut Frames<'_>,
         run: &Run,
     ) -> Result<()> {
-        for number in self.project.frames() {
+        for page in self.pages(numbers, encoding) {
             run.check()?;
-            let (file, recipe) = (self.target.file(number), self.recipe(&shot.camera, number));
-            let output = match film::finished(&file, &recipe) {
-                Some(output) => output,
-                None => {
-                    let bytes = self.encode(shot, number, encoding, run)?;
-                    run.stage("write", 1, || film::write_frame(&file, &bytes, &recipe))?
-                }
-            };
-            record.outputs.push(output);
+            let number = page[0];
+            if frames.are_one_file() {
+                let draw = || picture::picture(shot, number, self.knobs, &self.colours);
+                frames.keep(number, run.stage("draw", 1, draw));
+            } else {
+                let encode = || self.encode(shot, page, encoding, &recipe(number));
+                let bytes = run.stage("draw", page.len() as u64, encode)?;
+                frames.write(number, &bytes, run)?;
+            }
         }
         Ok(())
     }
 
-    fn encode(&self, shot: &Shot, number: u32, encoding: Encoding, run: &Run) -> Result<Vec<u8>> {
-        let recipe = self.recipe(&shot.camera, number);
-        run.stage("draw", 1, || match encoding {
-            Encoding::Json => Ok(document::document(shot, &[number]).into_bytes()),
-            Encoding::Svg => Ok(svg::svg(shot, number, self, recipe)?.into_bytes()),
+    /// The frames by file: one each, but a single file of strokes holds a whole film.
+    fn pages<'n>(&self, numbers: &'n [u32], encoding: Encoding) -> std::slice::Chunks<'n, u32> {
+        match (&self.target, encoding) {
+            (Target::Single(_), Encoding::Json) => numbers.chunks(numbers.len()),
+            _ => numbers.chunks(1),
+        }
+    }
 
+    /// The bytes of a file of some frames; only JSON holds more than one.
+    fn encode(
+        &self,
+        shot: &Shot,
+        page: &[u32],
+        encoding: Encoding,
+        recipe: &str,
+    ) -> Result<Vec<u8>> {
+        match encoding {
+            Encoding::Json => Ok(document::document(shot, page).into_bytes()),
+            Encoding::Svg => Ok(svg::svg(shot, page[0], self, recipe.to_owned())?.into_bytes()),
             Encoding::Png => {
-                let picture = picture::picture(shot, number, self.knobs, &self.colours);
-                codec::write_png_rgba(&picture, Some(&recipe))
+                let picture = picture::picture(shot, page[0], self.knobs, &self.colours);
+                codec::write_png_rgba(&picture, Some(recipe))
             }
-        })
+        }
     }
 
     fn settings(&self, camera: &Camera) -> Map<String, Value> {
         let mut s = camera.settings(self.project);
         let colours = json!({ "ink": self.colours.ink, "background": self.colours.background });
         s.insert("colours".into(), colours);
-        let (paper, turns, margin) = (self.sheet.paper, self.sheet.turns, self.sheet.margin);
-        let sheet = json!({ "paper": paper, "turns": turns, "margin": margin, "pen": self.pen });
-        s.insert("sheet".into(), sheet);
-        for (knob, value) in self.knobs.values() {
-            s.insert(knob.name.into(), crate::binary::json_of(&value));
-        }
+        s.insert("print".into(), self.print.settings());
+        s.extend(knob_settings(self.knobs));
         s
-    }
-
-    /// Everything that changes a frame's lines, and nothing else.
-    fn recipe(&self, camera: &Camera, frame: u32) -> String {
-        let mut settings = self.settings(camera);
-        settings.insert("frame".into(), frame.into());
-        json!({
-            "program": "chiaro", "version": env!("CARGO_PKG_VERSION"), "command": "lines",
-            "settings": settings,
-        })
-        .to_string()
     }
 }
 
-/// The record's measures of a film.
-fn count(shot: &Shot, record: &mut Record) {
-    for (name, value) in chiaro_lines::measure(&shot.film).named() {
-        record.count(name, value);
-    }
+/// The measures of a shot, for the record.
+fn measures(shot: &Shot) -> Map<String, Value> {
+    let named = chiaro_lines::measure(&shot.film).named();
+    named.into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect()
 }

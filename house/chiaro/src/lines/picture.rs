@@ -1,7 +1,7 @@
 //! Lines as pixels.
 
 use super::Shot;
-use crate::binary::Colours;
+use crate::colours::Colours;
 use chiaro_image::Plane;
 use chiaro_image::colour::to_byte;
 use chiaro_ink::{Polyline, draw};

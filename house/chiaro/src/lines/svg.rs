@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 const TOLERANCE: f64 = 0.02;
 
 pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Result<String> {
-    let placement = job.sheet.place(shot.camera.size)?;
+    let placement = job.print.sheet.place(shot.camera.size)?;
     let frame = frame(shot, number);
     let background = job.colours.background;
     let mut drawing = Drawing {
@@ -73,7 +73,7 @@ impl Pen<'_> {
         }
         let path = Path::through(&points, line.closed)?;
         let own = f64::from(self.job.knobs.width) * self.placement.scale;
-        let width = self.job.pen.unwrap_or(own);
+        let width = self.job.print.pen.unwrap_or(own);
         let colour = match self.job.knobs.colour {
             LineColour::Ink => self.job.colours.ink,
             LineColour::Id => {

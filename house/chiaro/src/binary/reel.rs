@@ -9,7 +9,10 @@
 //! pixel each, whatever the film's length. A part of a film renders, beyond its own frames, those of
 //! its blocks and of half a window around each key.
 
-use crate::binary::{Colours, Picture, Shot};
+use super::counts;
+use super::picture::Picture;
+use super::shot::Shot;
+use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
     BinaryKnobs, Border, Cel, FeaturePairs, Features, Film, Flicker, Graph, Plan, Shown, Weights,
@@ -124,7 +127,7 @@ pub(crate) fn shoot(
             measure(&mut flicker, index, &take, &white);
             deliver(take.number, picture(&take, &white, colours, knobs, run))?;
         }
-        return Ok(counts(&flicker));
+        return Ok(flicker_counts(&flicker));
     }
     let mut film: Film<'_, Take> = Film::new(plan, knobs);
     let mut start = 0;
@@ -147,7 +150,7 @@ pub(crate) fn shoot(
             run,
         )?;
     }
-    Ok(counts(&flicker))
+    Ok(flicker_counts(&flicker))
 }
 
 /// The sign of W - B after a Gaussian of 3 pixels at 480.
@@ -189,7 +192,7 @@ fn picture(
     let marks = run.stage("draw", pixels, || compose(&region, &graph.mask, &lines, knobs));
     let border = Border::measure(white, &graph.mask, &take.pairs);
     let cost = (graph.energy(white) - take.cel.alone.cut) as f64 / f64::from(graph.scale);
-    let counts = crate::binary::counts(white, graph, &take.cel.alone, cost, &border);
+    let counts = counts::labelled(white, graph, &take.cel.alone, cost, &border);
     Picture {
         covered: graph.mask.clone(),
         labels: white.map(|w| u8::from(*w)),
@@ -204,7 +207,7 @@ fn picture(
     }
 }
 
-fn counts(flicker: &Flicker) -> Map<String, Value> {
+fn flicker_counts(flicker: &Flicker) -> Map<String, Value> {
     let mut counts = Map::new();
     let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
     put("flips_per_pixel", json!(flicker.flips_per_pixel()));

@@ -1,0 +1,170 @@
+//! `chiaro binary`: from a project to black and white, one picture or a film.
+//!
+//! 1. Once for the shot: the camera, the key light if the scene has none, and the exposure, found on
+//!    a few small frames ([`Shot`]).
+//! 2. A frame at a time: rays, channels, weights, cut, lines, and the file, written whole. Films are
+//!    cut along the motion of what is seen.
+
+pub(crate) mod counts;
+mod dump;
+mod picture;
+mod plates;
+pub(crate) mod reel;
+mod shot;
+
+use crate::colours::Colours;
+use crate::film::Target;
+use crate::frames::Frames;
+use crate::painting::Painting;
+use crate::project::Project;
+use crate::record::{Record, frame_recipe, knob_settings};
+use crate::style::Style;
+use crate::vector::Print;
+use chiaro_basis::{Result, Run};
+use chiaro_binary::{BinaryKnobs, Exposure, Palette};
+use reel::Labelling;
+use serde_json::{Map, Value};
+use std::path::PathBuf;
+
+pub use picture::Picture;
+pub(crate) use picture::draw;
+pub(crate) use plates::{Encoding, Plates};
+pub use shot::Shot;
+pub(crate) use shot::{SURVEY_HEIGHT, exposure_settings};
+
+/// How a view becomes a picture, and a picture a sheet.
+pub struct Look<'a> {
+    /// The style.
+    pub style: &'a Style,
+    /// The knobs, `--set` applied.
+    pub knobs: &'a BinaryKnobs,
+    /// The colours.
+    pub colours: Colours,
+    /// How vectors and print sizes lie on paper.
+    pub print: Print,
+    /// Strokes, if any.
+    pub painting: Option<Painting>,
+}
+
+impl<'a> Look<'a> {
+    /// A style as it is, in black on white.
+    pub fn of(style: &'a Style) -> Self {
+        let (colours, print) = Default::default();
+        Self { style, knobs: &style.binary, colours, print, painting: None }
+    }
+
+    /// For recipes, with the exposure that was found.
+    pub(crate) fn settings(&self, exposure: &Exposure, encoding: Encoding) -> Map<String, Value> {
+        let mut s = Map::new();
+        s.insert("style".into(), self.style.name.clone().into());
+        s.insert("colours".into(), self.colours.settings());
+        s.insert("exposure".into(), exposure_settings(exposure));
+        if let Some(painting) = &self.painting {
+            s.insert("painting".into(), painting.settings());
+        }
+        if encoding.uses_paper() {
+            s.insert("print".into(), self.print.settings());
+        }
+        s.extend(knob_settings(self.knobs));
+        s
+    }
+}
+
+/// A binary job.
+pub struct Job<'a> {
+    /// The scene and its film.
+    pub project: &'a Project,
+    /// What pictures look like.
+    pub look: Look<'a>,
+    /// Where the picture goes.
+    pub target: Target,
+    /// A folder for the graph, if wanted.
+    pub dump_graph: Option<PathBuf>,
+}
+
+/// Whether a binary job can write such a file.
+pub fn check_target(target: &Target) -> Result<()> {
+    Encoding::of(target).map(drop)
+}
+
+impl Job<'_> {
+    /// Renders and writes every frame that is not there yet.
+    pub fn run(&self, run: &Run) -> Result<Record> {
+        dump::check(self.dump_graph.as_deref())?;
+        let encoding = Encoding::of(&self.target)?;
+        let mut record = Record::new("binary");
+        let mut shot = Shot::survey(self.project, self.look.knobs, run)?;
+        shot.painting = self.look.painting.clone();
+        let mut settings = shot.view_settings();
+        settings.extend(self.look.settings(&shot.exposure, encoding));
+        let recipe = |number| frame_recipe("binary", settings.clone(), number);
+        let mut frames = Frames::new(&self.target, &recipe);
+        let numbers = self.project.frames();
+        // A graph is wanted even where the picture is there.
+        let missing = if self.dump_graph.is_some() { numbers } else { frames.missing(numbers) };
+        let mut deliver = |number: u32, picture: Picture| {
+            self.deliver(&mut frames, (number, picture), (encoding, &recipe(number)), run)
+        };
+        let film = self.shoot(&shot, &missing, &mut deliver, run)?;
+        frames.finish(self.project.options.fps, &mut record, run)?;
+        record.settings = settings;
+        record.counts.extend(film);
+        Ok(record)
+    }
+
+    /// Makes the frames one after the other; the measures of the film.
+    fn shoot(
+        &self,
+        shot: &Shot<'_>,
+        numbers: &[u32],
+        deliver: &mut dyn FnMut(u32, Picture) -> Result<()>,
+        run: &Run,
+    ) -> Result<Map<String, Value>> {
+        let colours = &self.look.colours;
+        let is_film = self.project.shot().len() > 1;
+        let alone = match shot.palette(colours)? {
+            Palette::Two if shot.painting.is_none() => None,
+            Palette::Two => Some("painted strokes"),
+            _ => Some("a palette of more colours"),
+        };
+        if is_film && alone.is_none() {
+            return reel::shoot(shot, colours, (numbers, Labelling::of(&shot.knobs)), deliver, run);
+        }
+        if let Some(why) = alone.filter(|_| is_film && shot.knobs.coherence > 0.0) {
+            run.warn(format!("{why}: each frame is on its own"));
+        }
+        let poser = self.project.poser();
+        for &number in numbers {
+            run.check()?;
+            let frame = self.project.pose(&poser, number, run);
+            deliver(number, shot.picture(&frame, number, colours, run)?)?;
+        }
+        Ok(Map::new())
+    }
+
+    /// Hands a finished picture over to its file, and its graph to the folder of graphs.
+    fn deliver(
+        &self,
+        frames: &mut Frames<'_>,
+        (number, picture): (u32, Picture),
+        (encoding, recipe): (Encoding, &str),
+        run: &Run,
+    ) -> Result<()> {
+        let mut counts = picture.counts.clone();
+        if let Some(folder) = &self.dump_graph {
+            let folder = dump::folder(folder, &self.target, number);
+            let write = || dump::graph(&folder, &picture.graph, &picture.cut);
+            frames.beside(number, run.stage("write", 1, write)?);
+        }
+        if frames.are_one_file() {
+            frames.keep(number, picture.coloured(&self.look.colours));
+        } else {
+            let title = format!("{} {number}", self.project.file_name());
+            let plates = Plates { look: &self.look, title: &title, recipe };
+            let bytes = run.stage("draw", 1, || plates.bytes(encoding, &picture, &mut counts))?;
+            frames.write(number, &bytes, run)?;
+        }
+        frames.measured(number, counts);
+        Ok(())
+    }
+}

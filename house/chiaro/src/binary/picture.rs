@@ -1,0 +1,140 @@
+//! [`Picture`]: one view, cut and drawn, with all that files are made of.
+
+use super::counts;
+use crate::colours::Colours;
+use chiaro_basis::{Result, Run};
+use chiaro_binary::{
+    BinaryKnobs, Coloured, Exposure, Features, Graph, Labels, Lines, Marks, Paint, Palette, Steps,
+    View, colour_regions, compose, is_light, outline, shade_painted, tint,
+};
+use chiaro_image::Plane;
+use chiaro_image::colour::to_byte;
+use serde_json::{Map, Value};
+
+/// Draws one view: weights, cut, lines, colours.
+pub(crate) fn draw(
+    view: &View,
+    exposure: &Exposure,
+    knobs: &BinaryKnobs,
+    (colours, paint): (&Colours, Option<&Paint>),
+    run: &Run,
+) -> Result<Picture> {
+    let covered = &view.buffer.covered;
+    let paper = colours.paper_is_white();
+    let mut steps = shade_painted(view, exposure, knobs, paint, paper, run)?;
+    let palette = Palette::parse(&knobs.palette, colours.ink, colours.paper)?;
+    let mut labels = None;
+    let tint = match &palette {
+        Palette::Two => None,
+        palette => {
+            let coloured = run.stage("cut", covered.len() as u64, || {
+                colour_regions(palette, view, &steps.graph, exposure, knobs)
+            })?;
+            let tint = tinted(&coloured, palette, view, &mut steps, (knobs, colours), run);
+            labels = Some(coloured.labels);
+            Some(tint)
+        }
+    };
+    let marks = run.stage("draw", covered.len() as u64, || {
+        compose(&steps.region, covered, &steps.lines, knobs)
+    });
+    let counts = counts::stepped(&steps);
+    let Steps { white, lines, graph, labels: cut, .. } = steps;
+    Ok(Picture {
+        covered: covered.clone(),
+        labels: labels.unwrap_or_else(|| white.map(|w| u8::from(*w))),
+        palette: palette.colours().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
+        white,
+        lines,
+        marks,
+        tint,
+        graph,
+        cut,
+        counts,
+    })
+}
+
+/// A labelled picture in its palette's colours with lines drawn. Regions become white where their
+/// colour is light.
+fn tinted(
+    coloured: &Coloured,
+    palette: &Palette,
+    view: &View,
+    steps: &mut Steps,
+    (knobs, colours): (&BinaryKnobs, &Colours),
+    run: &Run,
+) -> Plane<[f32; 3]> {
+    let covered = &view.buffer.covered;
+    run.stage("draw", covered.len() as u64, || {
+        let light = is_light(palette);
+        steps.white = coloured.labels.map(|l| light[usize::from(*l)]);
+        let features = Features::find(&view.buffer, knobs);
+        let paper = colours.paper_is_white();
+        (steps.region, steps.lines) = outline(&features, &steps.white, covered, paper, knobs);
+        let (w, h) = covered.size();
+        let over =
+            |white: f32| compose(&Plane::filled(w, h, white), covered, &steps.lines, knobs).white;
+        let (on_white, on_black) = (over(1.0), over(0.0));
+        let tint = tint(coloured, covered, palette, knobs);
+        Plane::from_fn(w, h, |x, y| {
+            let (one, zero, t) = (on_white[(x, y)], on_black[(x, y)], tint[(x, y)]);
+            std::array::from_fn(|c| {
+                colours.ink[c] * (1.0 - one) + t[c] * (one - zero) + colours.paper[c] * zero
+            })
+        })
+    })
+}
+
+/// A finished frame: all that files are made of.
+pub struct Picture {
+    /// Where there is geometry.
+    pub covered: Plane<bool>,
+    /// The regions: white where true.
+    pub white: Plane<bool>,
+    /// The lines on top.
+    pub lines: Lines,
+    /// Regions and lines, antialiased.
+    pub marks: Marks,
+    /// The place of each pixel's colour in the palette; of ink and paper, 1 where white.
+    pub labels: Plane<u8>,
+    /// The palette's colours where they are more than ink and paper.
+    pub palette: Vec<[f32; 4]>,
+    /// Its colours where the palette is more than ink and paper, lines drawn, sRGB-encoded.
+    pub tint: Option<Plane<[f32; 3]>>,
+    /// The graph that was cut.
+    pub graph: Graph,
+    /// That graph's own minimal cut.
+    pub cut: Labels,
+    /// The measures of the record.
+    pub counts: Map<String, Value>,
+}
+
+impl Picture {
+    /// What a screen shows, transparency left out.
+    pub fn displayed(&self, colours: &Colours) -> Plane<[u8; 3]> {
+        self.coloured(colours).map(|[r, g, b, _]| [*r, *g, *b])
+    }
+
+    /// Ink and paper over the background, sRGB-encoded bytes. Shares are mixed as displayed: ink has no
+    /// light of its own, and lines keep their optical width.
+    pub(crate) fn coloured(&self, colours: &Colours) -> Plane<[u8; 4]> {
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let (w, h) = self.covered.size();
+        Plane::from_fn(w, h, |x, y| {
+            let (white, o) = (self.marks.white[(x, y)], self.marks.opacity[(x, y)]);
+            let over: [f32; 4] = match &self.tint {
+                Some(tint) => {
+                    let [r, g, b] = tint[(x, y)];
+                    [r, g, b, 1.0]
+                }
+                None => std::array::from_fn(|i| mix(colours.ink[i], colours.paper[i], white)),
+            };
+            let alpha = mix(colours.background[3], over[3], o);
+            let channel = |i: usize| {
+                let back = colours.background[i] * colours.background[3] * (1.0 - o);
+                to_byte((back + over[i] * over[3] * o) / alpha.max(1e-6))
+            };
+            [channel(0), channel(1), channel(2), to_byte(alpha)]
+        })
+    }
+}

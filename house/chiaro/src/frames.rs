@@ -1,0 +1,93 @@
+//! [`Frames`]: the pictures of a job on their way to files.
+//!
+//! 1. Frames of a pattern that are there already, made by the same recipe, are told apart from those
+//!    that are missing.
+//! 2. A finished frame becomes a file of its own, or a part of the one animation.
+//! 3. At the end the record has all files and measures, in the order of the frames.
+
+use crate::film::{self, Target};
+use crate::record::{Output, Record};
+use crate::write;
+use chiaro_basis::{Result, Run};
+use chiaro_image::{Plane, codec};
+use serde_json::{Map, Value};
+
+/// Files and measures of a job's frames; `recipe` is that of a frame.
+pub(crate) struct Frames<'a> {
+    target: &'a Target,
+    recipe: &'a dyn Fn(u32) -> String,
+    outputs: Vec<(u32, Output)>,
+    pictures: Vec<(u32, Plane<[u8; 4]>)>,
+    counts: Vec<(u32, Map<String, Value>)>,
+}
+
+impl<'a> Frames<'a> {
+    pub(crate) fn new(target: &'a Target, recipe: &'a dyn Fn(u32) -> String) -> Self {
+        let (outputs, pictures, counts) = Default::default();
+        Self { target, recipe, outputs, pictures, counts }
+    }
+
+    /// Those of the frames whose files are not there yet.
+    pub(crate) fn missing(&mut self, numbers: Vec<u32>) -> Vec<u32> {
+        let Target::Pattern(_) = self.target else { return numbers };
+        let is_missing = |number: &u32| {
+            let there = film::finished(&self.target.file(*number), &(self.recipe)(*number));
+            let missing = there.is_none();
+            self.outputs.extend(there.map(|output| (*number, output)));
+            missing
+        };
+        numbers.into_iter().filter(is_missing).collect()
+    }
+
+    /// Whether frames become parts of an animation.
+    pub(crate) fn are_one_file(&self) -> bool {
+        matches!(self.target, Target::Animation(_))
+    }
+
+    /// Keeps a frame of an animation.
+    pub(crate) fn keep(&mut self, number: u32, picture: Plane<[u8; 4]>) {
+        self.pictures.push((number, picture));
+    }
+
+    /// Writes a frame's own file.
+    pub(crate) fn write(&mut self, number: u32, bytes: &[u8], run: &Run) -> Result<()> {
+        let file = self.target.file(number);
+        let output = run.stage("write", 1, || match self.target {
+            Target::Pattern(_) => film::write_frame(&file, bytes, &(self.recipe)(number)),
+            _ => write::whole(&file, bytes),
+        })?;
+        self.outputs.push((number, output));
+        Ok(())
+    }
+
+    /// Remembers files that were written beside a frame's.
+    pub(crate) fn beside(&mut self, number: u32, outputs: Vec<Output>) {
+        self.outputs.extend(outputs.into_iter().map(|output| (number, output)));
+    }
+
+    /// Remembers what was measured on a frame.
+    pub(crate) fn measured(&mut self, number: u32, counts: Map<String, Value>) {
+        self.counts.push((number, counts));
+    }
+
+    /// Writes the animation and fills in the record: the measures of one frame as they are, those of
+    /// several as a list.
+    pub(crate) fn finish(mut self, fps: f64, record: &mut Record, run: &Run) -> Result<()> {
+        self.pictures.sort_by_key(|(number, _)| *number);
+        if let (Target::Animation(path), Some((first, _))) = (self.target, self.pictures.first()) {
+            let (first, recipe) = (*first, (self.recipe)(*first));
+            let pictures: Vec<_> = self.pictures.into_iter().map(|(_, picture)| picture).collect();
+            let bytes = codec::write_apng(&pictures, fps, Some(&recipe))?;
+            self.outputs.push((first, run.stage("write", 1, || write::whole(path, &bytes))?));
+        }
+        self.outputs.sort_by_key(|(number, _)| *number);
+        record.outputs.extend(self.outputs.into_iter().map(|(_, output)| output));
+        self.counts.sort_by_key(|(number, _)| *number);
+        let mut counts: Vec<_> = self.counts.into_iter().map(|(_, counts)| counts).collect();
+        match counts.len() {
+            1 => record.counts.append(&mut counts[0]),
+            _ => record.count("frames", counts),
+        }
+        Ok(())
+    }
+}
