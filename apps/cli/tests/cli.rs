@@ -310,3 +310,33 @@ fn a_watched_scene_is_drawn_again_when_it_changes_and_not_before() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(redrawn, "the second picture");
 }
+
+#[test]
+fn a_film_that_was_killed_goes_on_to_the_bytes_of_an_unbroken_one() {
+    let dir = folder();
+    let film = |name: &'static str| {
+        let pattern = format!("{name}/####.png");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_chiaro"));
+        command.current_dir(dir.path()).args(["binary", "cube.obj", "-q", "-o"]).arg(pattern);
+        command.args(["--frames", "1-20", "--turntable", "--size", "96x96"]);
+        command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
+        command
+    };
+    let start = std::time::Instant::now();
+    assert!(film("whole").status().unwrap().success());
+    let whole = start.elapsed();
+    let mut unfinished = 0;
+    for i in 1..=8u32 {
+        let mut child = film("killed").spawn().unwrap();
+        std::thread::sleep(whole * i / 9);
+        child.kill().unwrap();
+        child.wait().unwrap();
+        unfinished += u32::from(!dir.path().join("killed/0020.png").exists());
+    }
+    assert!(unfinished > 0, "no kill came before the end");
+    assert!(film("killed").status().unwrap().success());
+    for frame in 1..=20 {
+        let bytes = |f: &str| std::fs::read(dir.path().join(f).join(format!("{frame:04}.png")));
+        assert_eq!(bytes("whole").unwrap(), bytes("killed").unwrap(), "frame {frame}");
+    }
+}
