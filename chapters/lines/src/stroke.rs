@@ -47,6 +47,13 @@ pub struct Stroke {
     pub samples: Vec<Sample>,
     /// Picture length up to each sample, pixels; for closed strokes one more, the whole.
     pub length: Vec<f64>,
+    /// Texture parameter at each sample, rising along them; for closed strokes one more, at the
+    /// first sample once round. Picture length until the film is parameterized.
+    pub u: Vec<f64>,
+    /// Once round in u, for closed strokes.
+    pub u_period: Option<f64>,
+    /// How many pixels a unit of u should measure in this frame.
+    pub pixels_per_u: f64,
 }
 
 impl Stroke {
@@ -65,6 +72,9 @@ impl Stroke {
             visible: true,
             samples,
             length: Vec::new(),
+            u: Vec::new(),
+            u_period: None,
+            pixels_per_u: 1.0,
         };
         stroke.measure();
         stroke
@@ -81,6 +91,8 @@ impl Stroke {
                 total
             }))
             .collect();
+        self.u = self.length.clone();
+        self.u_period = self.closed.then_some(total);
     }
 
     /// Its length in pixels.

@@ -64,12 +64,11 @@ fn stroke(text: &mut String, s: &Stroke) {
     text.push_str("],\"visible\":[");
     join(text, s.samples.iter(), |t, _| t.push(if s.visible { '1' } else { '0' }));
     text.push_str("],\"u\":[");
-    join(text, s.length.iter().take(s.samples.len()), |t, l| pixels(t, *l));
-    text.push_str("],\"pixels_per_u\":1.0,\"u_period\":");
-    match s.closed {
-        true => pixels(text, s.total()),
-        false => text.push_str("null"),
-    }
+    join(text, s.u.iter().take(s.samples.len()), |t, u| parameter(t, *u));
+    text.push_str("],\"pixels_per_u\":");
+    float(text, s.pixels_per_u);
+    text.push_str(",\"u_period\":");
+    option(text, s.u_period, parameter);
     text.push_str(",\"next\":[");
     join(text, s.samples.iter(), |t, p| option(t, p.next_at, point));
     text.push_str("],\"world\":[");
@@ -119,6 +118,11 @@ fn place(text: &mut String, p: DVec3) {
 
 fn pixels(text: &mut String, x: f64) {
     let _ = write!(text, "{}", (x * 1000.0).round() / 1000.0 + 0.0);
+}
+
+/// To a millionth: u may count patterns of many pixels.
+fn parameter(text: &mut String, u: f64) {
+    let _ = write!(text, "{}", (u * 1e6).round() / 1e6 + 0.0);
 }
 
 /// As many digits as single precision holds.
