@@ -2,9 +2,9 @@
 
 use crate::bounce::bounce;
 use crate::grid::SurfelGrid;
+use crate::hierarchy::Hierarchy;
 use crate::knob::LightKnobs;
 use crate::near::Reflected;
-use crate::payload::{Exact, Payload};
 use crate::pixel::{self, Workspace};
 use crate::site::Site;
 use crate::surfel::{Lit, Surfels};
@@ -16,7 +16,7 @@ use chiaro_trace::{GBuffer, Vertex};
 use rayon::prelude::*;
 
 /// A frame's surfels and tree, ready to be gathered from.
-pub struct Prepared<'a, P: Payload = Exact> {
+pub struct Prepared<'a, T: Hierarchy = Tree> {
     /// The frame.
     pub lit: Lit<'a>,
     /// The surfels, in the order of their sites.
@@ -24,7 +24,7 @@ pub struct Prepared<'a, P: Payload = Exact> {
     /// Light that surfels received from each other.
     pub reflected: Reflected,
     /// The tree over them.
-    pub tree: Tree<P>,
+    pub tree: T,
     /// The knobs.
     pub knobs: LightKnobs,
     /// Moves the pattern of near rays, to measure how much a picture depends on it; usually 0.
@@ -62,11 +62,15 @@ pub fn prepare<'a>(
 }
 
 /// Irradiance by reflected light at the covered pixels of a buffer; nothing with 0 bounces.
-pub fn indirect<P: Payload>(scene: &Prepared<P>, buffer: &GBuffer, run: &Run) -> Result<Indirect> {
+pub fn indirect<T: Hierarchy>(
+    scene: &Prepared<T>,
+    buffer: &GBuffer,
+    run: &Run,
+) -> Result<Indirect> {
     let (width, height) = buffer.size();
     let none =
         Indirect { irradiance: Plane::filled(width, height, [0.0; 3]), ..Indirect::default() };
-    if scene.knobs.bounces == 0 || scene.tree.nodes.is_empty() {
+    if scene.knobs.bounces == 0 || scene.tree.is_empty() {
         return Ok(none);
     }
     run.stage("gather", (width * height) as u64, || match scene.knobs.error_bound {
@@ -76,7 +80,7 @@ pub fn indirect<P: Payload>(scene: &Prepared<P>, buffer: &GBuffer, run: &Run) ->
 }
 
 /// Every pixel by itself.
-fn by_pixel<P: Payload>(scene: &Prepared<P>, buffer: &GBuffer, run: &Run) -> Result<Indirect> {
+fn by_pixel<T: Hierarchy>(scene: &Prepared<T>, buffer: &GBuffer, run: &Run) -> Result<Indirect> {
     let (width, height) = buffer.size();
     let side = scene.knobs.resolution as usize;
     let rows: Vec<(Vec<[f32; 3]>, u64, u64)> = (0..height)

@@ -31,6 +31,7 @@ pub mod cube;
 pub mod cut;
 pub mod grid;
 pub mod harmonic;
+pub mod hierarchy;
 mod indirect;
 mod knob;
 pub mod near;
@@ -43,6 +44,7 @@ pub mod surfel;
 pub mod tile;
 pub mod tree;
 
+pub use hierarchy::Hierarchy;
 pub use indirect::{Indirect, Prepared, indirect, prepare};
 pub use knob::LightKnobs;
 pub use payload::{Exact, Payload};

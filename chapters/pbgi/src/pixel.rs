@@ -6,9 +6,9 @@
 
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::{Chooser, Splat};
+use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
 use crate::near;
-use crate::payload::Payload;
 use chiaro_basis::math::Vec3;
 use chiaro_trace::{Sequence, Sides, Vertex};
 
@@ -32,8 +32,8 @@ impl Workspace {
 
 /// Irradiance by reflected light at a receiver; `seed` tells receivers apart. Also the number of
 /// nodes visited.
-pub fn gather<P: Payload>(
-    scene: &Prepared<P>,
+pub fn gather<T: Hierarchy>(
+    scene: &Prepared<T>,
     at: &Vertex,
     work: &mut Workspace,
     seed: u64,
@@ -43,12 +43,12 @@ pub fn gather<P: Payload>(
     splats.clear();
     let threshold = scene.knobs.solid_angle * buffer.shape().mean_solid_angle();
     // The distance within which a leaf looks larger than the threshold.
-    let reach = scene.tree.leaf_radius / (threshold / std::f32::consts::PI).sqrt();
+    let reach = scene.tree.leaf_radius() / (threshold / std::f32::consts::PI).sqrt();
     let near = if scene.knobs.near_field { reach } else { 0.0 };
     let from = at.position + at.side * at.offset;
     let chooser =
         Chooser { from, threshold, near, above: Some(at.side), flat: scene.knobs.flat_nodes };
-    let visited = chooser.cut(&scene.tree, splats);
+    let visited = scene.tree.cut(&chooser, splats);
     if scene.knobs.near_field {
         near_rays(scene, at, buffer, near, seed);
     }
@@ -71,8 +71,8 @@ pub fn irradiance(buffer: &CubeBuffer, normal: Vec3) -> [f32; 3] {
 }
 
 /// Fills quarters of texels with what is near.
-fn near_rays<P: Payload>(
-    scene: &Prepared<P>,
+fn near_rays<T: Hierarchy>(
+    scene: &Prepared<T>,
     at: &Vertex,
     buffer: &mut CubeBuffer,
     reach: f32,

@@ -19,9 +19,9 @@
 
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::{Chooser, Splat};
+use crate::hierarchy::Hierarchy;
 use crate::indirect::{Indirect, Prepared};
 use crate::near;
-use crate::payload::Payload;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run, random};
 use chiaro_image::Plane;
@@ -96,8 +96,8 @@ struct Cluster {
 }
 
 /// Everything that the tiles of a picture share.
-struct Picture<'a, 'b, P: Payload> {
-    scene: &'a Prepared<'b, P>,
+struct Picture<'a, 'b, T: Hierarchy> {
+    scene: &'a Prepared<'b, T>,
     buffer: &'a GBuffer,
     shape: CubeShape,
     /// Tiles in a row.
@@ -107,8 +107,8 @@ struct Picture<'a, 'b, P: Payload> {
 }
 
 /// Irradiance by reflected light at the covered pixels.
-pub(crate) fn indirect<P: Payload>(
-    scene: &Prepared<P>,
+pub(crate) fn indirect<T: Hierarchy>(
+    scene: &Prepared<T>,
     buffer: &GBuffer,
     run: &Run,
 ) -> Result<Indirect> {
@@ -151,8 +151,8 @@ pub(crate) fn indirect<P: Payload>(
 }
 
 /// The clusters of a tile with their buffers.
-fn fields<P: Payload>(
-    scene: &Prepared<P>,
+fn fields<T: Hierarchy>(
+    scene: &Prepared<T>,
     buffer: &GBuffer,
     (column, row): (usize, usize),
     work: &mut Workspace,
@@ -175,7 +175,7 @@ fn fields<P: Payload>(
     (done, counts)
 }
 
-impl<P: Payload> Picture<'_, '_, P> {
+impl<T: Hierarchy> Picture<'_, '_, T> {
     /// One tile: its clusters, the busy ones in quarters.
     fn tile(&self, index: usize, work: &mut Workspace) -> (Vec<Outcome>, [u64; 2]) {
         let mut outcomes = Vec::new();
@@ -378,8 +378,8 @@ struct Pack {
 }
 
 impl Field {
-    fn gather<P: Payload>(
-        scene: &Prepared<P>,
+    fn gather<T: Hierarchy>(
+        scene: &Prepared<T>,
         buffer: &GBuffer,
         pixels: &[(usize, usize)],
         manner: Manner,
@@ -395,14 +395,14 @@ impl Field {
             .fold(0.0, f32::max);
         let knobs = &scene.knobs;
         let threshold = knobs.solid_angle * manner.threshold * far.shape().mean_solid_angle();
-        let leaf = scene.tree.leaf_radius / (threshold / PI).sqrt();
+        let leaf = scene.tree.leaf_radius() / (threshold / PI).sqrt();
         let reach = if knobs.near_field { leaf.max(manner.reach * radius) } else { 0.0 };
         let chooser =
             Chooser { from: centre, threshold, near: reach, above: None, flat: knobs.flat_nodes };
         far.clear();
         splats.clear();
         counts[0] += 1;
-        counts[1] += chooser.cut(&scene.tree, splats);
+        counts[1] += scene.tree.cut(&chooser, splats);
         far.add_sorted(splats);
         Self::of_buffer(far, centre, reach)
     }
@@ -480,8 +480,8 @@ fn far(mix: &[(f32, &Field)], at: &Vertex) -> [f32; 3] {
 }
 
 /// Casts a receiver's near rays; a hit counts for every field whose sphere holds it.
-fn near<P: Payload>(
-    scene: &Prepared<P>,
+fn near<T: Hierarchy>(
+    scene: &Prepared<T>,
     buffer: &GBuffer,
     shape: &CubeShape,
     mix: &[(f32, &Field)],
@@ -524,7 +524,7 @@ fn lattice(k: u32, (x, y): (usize, usize), shift: u32) -> [f32; 2] {
 }
 
 impl Receiver {
-    fn new<P: Payload>(scene: &Prepared<P>, buffer: &GBuffer, pixel: (usize, usize)) -> Self {
+    fn new<T: Hierarchy>(scene: &Prepared<T>, buffer: &GBuffer, pixel: (usize, usize)) -> Self {
         let at = Vertex::of_pixel(scene.lit.tracer, buffer, pixel);
         let footprint = buffer.pose.pixel_size(buffer.depth[pixel], buffer.size().1 as f32);
         Self { pixel, at, footprint, far: [0.0; 3], rays: 0, hits: Vec::new() }

@@ -1,0 +1,31 @@
+//! [`Hierarchy`]: what a gather needs to know of a tree, however it is stored.
+
+use crate::cut::{Chooser, Splat};
+use crate::payload::Payload;
+use crate::tree::Tree;
+
+/// A tree over surfels from which a receiver's cut can be taken.
+pub trait Hierarchy: Sync {
+    /// Adds the splats of the cut, in the order of the tree; the number of nodes visited.
+    fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64;
+
+    /// The radius of a disc of a surfel's mean area.
+    fn leaf_radius(&self) -> f32;
+
+    /// Whether there is no surfel.
+    fn is_empty(&self) -> bool;
+}
+
+impl<P: Payload> Hierarchy for Tree<P> {
+    fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64 {
+        chooser.cut(self, splats)
+    }
+
+    fn leaf_radius(&self) -> f32 {
+        self.leaf_radius
+    }
+
+    fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+}
