@@ -26,6 +26,8 @@ pub fn compare(a: &Path, b: &Path, run: &Run) -> Result<Record> {
                 &Plane::filled(a.width(), a.height(), true),
             )?),
         ),
+        ("flip", json!(metric::flip(&shown_a, &shown_b)?)),
+        ("different_pixels", json!(metric::different_pixels(&shown_a, &shown_b)?)),
         ("changed_pixels", json!(metric::changed_pixels(&shown_a, &shown_b)?)),
         ("max_difference", json!(metric::max_difference(&shown_a, &shown_b)?)),
     ] {

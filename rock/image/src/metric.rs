@@ -1,8 +1,16 @@
-//! How far two pictures are apart: RMSE, PSNR, changed pixels, the largest difference.
+//! How far two pictures are apart: RMSE, PSNR, changed pixels, the largest difference, and what
+//! viewers see of it (FLIP, Yee's perceptually different pixels).
 //!
 //! Values on both sides that are equal, or both not numbers, differ by 0; a number and a value that
 //! is none differ by infinity. All results are the same bits for any number of threads. All
 //! functions give [`Error::Input`](chiaro_basis::Error::Input) when the sizes differ.
+
+mod flip;
+mod visible;
+mod vision;
+
+pub use flip::{flip, flip_map};
+pub use visible::{different_map, different_pixels};
 
 use crate::Plane;
 use crate::colour::srgb_encode;
