@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn a_busy_ground_hides_what_a_plain_one_shows() {
-        let ground = |x: usize, y: usize| if (x / 2 + y / 2) % 2 == 0 { 0.3 } else { 0.7 };
+        let ground = |x: usize, y: usize| if (x / 2 + y / 2).is_multiple_of(2) { 0.3 } else { 0.7 };
         let step = |x: usize| if x < 128 { 0.0 } else { 0.02 };
         let plain = different_pixels(&grey(|_, _| 0.5), &grey(|x, _| 0.5 + step(x))).unwrap();
         let busy = different_pixels(&grey(ground), &grey(|x, y| ground(x, y) + step(x))).unwrap();
