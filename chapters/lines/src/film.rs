@@ -98,13 +98,13 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// The surface of a frame, with its edge lines.
-    pub fn of(scene: &Scene, frame: &Frame, knobs: &LinesKnobs) -> Self {
+    /// The surface of a frame, with its edge lines; each shape refined `levels` times.
+    pub fn of(scene: &Scene, frame: &Frame, knobs: &LinesKnobs, levels: &[u8]) -> Self {
         let rule = CreaseRule {
             angle: knobs.crease_angle.to_radians(),
             smooth_angle: knobs.smooth_crease_angle.max(knobs.crease_angle).to_radians(),
         };
-        let surface = Surface::of(scene, frame, &rule);
+        let surface = Surface::refined(scene, frame, &rule, levels);
         let features = Features::of(&surface, &crate::posed::positions(&surface, frame));
         Self { surface, features }
     }
@@ -153,6 +153,7 @@ impl Film {
             done = until;
         }
         let mut film = run.stage("track", 0, || tracking.finish());
+        film.notes = fixed.as_ref().map_or_else(Vec::new, |g| g.surface.notes.clone());
         film.surface = fixed;
         Ok(film)
     }
@@ -167,13 +168,24 @@ impl Reel<'_> {
         run.stage("lines", 0, || {
             let (frame, _) = (self.at)(0);
             let remade = frame.shapes.iter().any(|s| s.remade.is_some());
-            (!remade).then(|| Arc::new(Ground::of(self.scene, &frame, knobs)))
+            if remade {
+                return None;
+            }
+            let ground = Ground::of(self.scene, &frame, knobs, &[]);
+            let levels = match knobs.subdivide {
+                0 => Vec::new(),
+                _ => crate::refine::levels(self, &ground, knobs),
+            };
+            let coarse = levels.iter().all(|l| *l == 0);
+            let ground =
+                if coarse { ground } else { Ground::of(self.scene, &frame, knobs, &levels) };
+            Some(Arc::new(ground))
         })
     }
 
     fn prepare(&self, index: usize, fixed: Option<&Ground>, knobs: &LinesKnobs) -> Ready {
         let (frame, view) = (self.at)(index);
-        let own = fixed.is_none().then(|| Arc::new(Ground::of(self.scene, &frame, knobs)));
+        let own = fixed.is_none().then(|| Arc::new(Ground::of(self.scene, &frame, knobs, &[])));
         let ground = fixed.or(own.as_deref()).expect("one of them is there");
         let posed = Posed::new(&ground.surface, &frame, knobs.smooth_normals);
         Ready { view, posed, own }

@@ -51,6 +51,9 @@ knobs! {
         smooth_crease_angle: f32 = 75.0, Number { min: 1.0, max: 180.0 }, "", "degrees", "least bend of a sharp edge that the file shades smooth";
         smooth_normals: u32 = 0, Count { min: 0, max: 4 }, "K", "passes", "one-ring means of the normals of silhouettes, for scans";
 
+        subdivide: u32 = 2, Count { min: 0, max: 3 }, "", "levels", "how often coarse meshes are refined at most, once for the shot";
+        subdivide_edge: f32 = 8.0, Number { min: 0.1, max: 100.0 }, "", "px", "length of edges near silhouettes at which a mesh is fine enough";
+
         step: f32 = 3.0, Number { min: 0.5, max: 20.0 }, "ds", "px", "distance of a stroke's samples";
         bridge: f32 = 4.0, Number { min: 0.0, max: 100.0 }, "", "px", "hidden gaps below this are bridged";
         shortest: f32 = 6.0, Number { min: 0.0, max: 500.0 }, "", "px", "visible runs below this are dropped";

@@ -39,7 +39,7 @@
 //! ```
 //!
 //! Not guaranteed: where bodies run into each other no line is drawn along the seam; contacts one
-//! or two triangles wide may be shown or hidden wrongly; coarse meshes are not refined.
+//! or two triangles wide may be shown or hidden wrongly.
 
 pub mod contour;
 mod curvature;
@@ -50,6 +50,7 @@ mod knob;
 mod measure;
 mod path;
 mod posed;
+mod refine;
 mod sight;
 mod slice;
 mod stroke;

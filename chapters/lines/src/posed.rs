@@ -40,10 +40,24 @@ impl Posed {
 
 /// World positions; those of a vertex whose pose is not finite are the origin.
 pub fn positions(surface: &Surface, frame: &Frame) -> Vec<DVec3> {
+    let refined: Vec<Option<Vec<DVec3>>> = (surface.refinements.iter().zip(&frame.shapes))
+        .map(|(r, shape)| r.as_ref().map(|r| r.points(&shape.positions)))
+        .collect();
     let place = |a: &crate::surface::Anchor| {
         let object = &frame.objects[a.object as usize];
-        let p = frame.shapes[object.shape].positions[a.vertex as usize];
-        let p = object.world_from_shape.transform_point3(p).as_dvec3();
+        let p = match refined.get(object.shape) {
+            Some(Some(points)) => {
+                let to_world = &object.world_from_shape;
+                let m = to_world.matrix3;
+                let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| v.as_dvec3());
+                let p = points[a.vertex as usize];
+                x * p.x + y * p.y + z * p.z + to_world.translation.as_dvec3()
+            }
+            _ => {
+                let p = frame.shapes[object.shape].positions[a.vertex as usize];
+                object.world_from_shape.transform_point3(p).as_dvec3()
+            }
+        };
         if p.is_finite() { p } else { DVec3::ZERO }
     };
     surface.anchors.iter().map(place).collect()

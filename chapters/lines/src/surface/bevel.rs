@@ -13,19 +13,8 @@ pub(super) struct Corners {
     pub(super) anchors: Vec<Anchor>,
     pub(super) faces: Vec<[u32; 3]>,
     pub(super) sources: Vec<Source>,
-    /// Whether each face lists its corners against the mesh's order.
-    pub(super) clockwise: Vec<bool>,
     pub(super) mate: Vec<u32>,
     pub(super) hard: Vec<bool>,
-}
-
-impl Corners {
-    /// The half-edge on the side that begins at `corner` in the mesh's order.
-    pub(super) fn half(&self, face: u32, corner: usize) -> u32 {
-        // Corners a, b, c are listed a, c, b: sides ab, bc, ca become the half-edges ba, cb, ac.
-        let at = if self.clockwise[face as usize] { [2, 1, 0][corner] } else { corner };
-        3 * face + at as u32
-    }
 }
 
 pub(super) fn surface(mut corners: Corners) -> Surface {
@@ -105,7 +94,7 @@ impl Sectors {
     }
 }
 
-fn find(root: &mut [u32], mut x: u32) -> u32 {
+pub(super) fn find(root: &mut [u32], mut x: u32) -> u32 {
     while root[x as usize] != x {
         root[x as usize] = root[root[x as usize] as usize];
         x = root[x as usize];
@@ -114,7 +103,7 @@ fn find(root: &mut [u32], mut x: u32) -> u32 {
 }
 
 /// The lower number stays the root.
-fn unite(root: &mut [u32], a: u32, b: u32) {
+pub(super) fn unite(root: &mut [u32], a: u32, b: u32) {
     let (a, b) = (find(root, a), find(root, b));
     root[a.max(b) as usize] = a.min(b);
 }

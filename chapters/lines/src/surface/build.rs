@@ -1,10 +1,14 @@
 //! Objects to one oriented manifold.
 
 use super::bevel::{self, Corners};
+use super::refine::{Net, Origin, Refinement};
 use super::{Anchor, NONE, Source, Surface};
 use chiaro_basis::math::Vec3;
+use chiaro_scene::topology::weld::Weld;
 use chiaro_scene::topology::{EdgeKind, Side, Topology, crease};
 use chiaro_scene::{Alpha, Frame, Material, Mesh, NormalSource, Object, Scene};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Normals of the file that are further apart than this mark an edge as hard, radians.
 const HARD_NORMALS: f32 = 0.1;
@@ -20,16 +24,14 @@ pub struct CreaseRule {
 
 /// What is known of one shape, shared by the objects that draw it.
 struct Part {
-    topology: Topology,
-    /// Whether each triangle is turned over.
-    turned: Vec<bool>,
-    /// Whether each edge is a crease.
-    creased: Vec<bool>,
-    /// Whether each edge joins its two triangles.
-    joined: Vec<bool>,
+    net: Net,
+    /// The vertex of the shape at each point, where it is not refined.
+    first: Vec<u32>,
+    refinement: Option<Refinement>,
+    notes: Vec<String>,
 }
 
-pub(super) fn surface(scene: &Scene, frame: &Frame, rule: &CreaseRule) -> Surface {
+pub(super) fn surface(scene: &Scene, frame: &Frame, rule: &CreaseRule, levels: &[u8]) -> Surface {
     let mut corners = Corners::default();
     let mut notes = Vec::new();
     let mut parts: Vec<Option<Part>> = frame.shapes.iter().map(|_| None).collect();
@@ -37,43 +39,156 @@ pub(super) fn surface(scene: &Scene, frame: &Frame, rule: &CreaseRule) -> Surfac
         let shape = &frame.shapes[object.shape];
         let mesh = shape.mesh_in(scene);
         let part = parts[object.shape].get_or_insert_with(|| {
-            let part = Part::of(mesh, &shape.positions, rule);
-            part.note(mesh, &mut notes);
+            let level = levels.get(object.shape).copied().unwrap_or(0);
+            let part = Part::of(mesh, &shape.positions, rule, level);
+            notes.extend(part.notes.iter().cloned());
             part
         });
         append(&mut corners, part, scene, mesh, (index, object));
     }
     let mut surface = bevel::surface(corners);
     surface.notes = notes;
+    let refinements = parts.into_iter().map(|p| p.and_then(|p| p.refinement));
+    surface.refinements = refinements.collect();
     surface
 }
 
 impl Part {
-    fn of(mesh: &Mesh, positions: &[Vec3], rule: &CreaseRule) -> Self {
+    fn of(mesh: &Mesh, positions: &[Vec3], rule: &CreaseRule, level: u8) -> Self {
+        let twins = Twins::of(mesh);
+        let single = twins.without(mesh);
+        let mesh = single.as_ref().unwrap_or(mesh);
         let topology = Topology::of(mesh);
         let turned = wind_alike(&topology);
-        let joined = (0..topology.edges.len()).map(|e| joins(&topology, &turned, e)).collect();
+        let joined: Vec<bool> =
+            (0..topology.edges.len()).map(|e| joins(&topology, &turned, e)).collect();
         let creased = creases(&topology, mesh, positions, rule);
-        Self { topology, turned, creased, joined }
+        let notes = notes(mesh, &topology, &turned);
+        let net = net(&topology, &turned, (&joined, &creased), &twins);
+        let first = topology.weld.first;
+        if level == 0 {
+            return Self { net, first, refinement: None, notes };
+        }
+        let (refinement, net) = Refinement::of(net, &first, positions, level);
+        Self { net, first, refinement: Some(refinement), notes }
+    }
+}
+
+fn notes(mesh: &Mesh, topology: &Topology, turned: &[bool]) -> Vec<String> {
+    let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
+    let mut notes = Vec::new();
+    let several = (0..topology.edges.len())
+        .filter(|&e| topology.kind(e) == EdgeKind::NonManifold)
+        .count();
+    if several > 0 {
+        notes.push(format!(
+            "{name}: {several} edges join more than two triangles; the surface is cut there"
+        ));
+    }
+    let turned = turned.iter().filter(|t| **t).count();
+    if turned > 0 {
+        notes.push(format!(
+            "{name}: {turned} triangles wind against their neighbours; lines take them turned over"
+        ));
+    }
+    notes
+}
+
+/// Triangles that a mesh has several times, as files do that model the two sides of a leaf or a
+/// cloak: one of each is kept, seen from both sides.
+struct Twins {
+    /// For each kept triangle, its index in the mesh, and whether it is there with both windings.
+    kept: Vec<(u32, bool)>,
+    all: usize,
+}
+
+impl Twins {
+    fn of(mesh: &Mesh) -> Self {
+        let weld = Weld::of(mesh);
+        let mut known: HashMap<[u32; 3], usize> = HashMap::with_capacity(mesh.triangles.len());
+        let mut kept: Vec<(u32, bool)> = Vec::with_capacity(mesh.triangles.len());
+        for (f, t) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = t.map(|v| weld.welded[v as usize]);
+            let mut key = [a, b, c];
+            key.sort_unstable();
+            match known.entry(key) {
+                Entry::Occupied(first) if a != b && b != c && c != a => {
+                    let (other, both) = &mut kept[*first.get()];
+                    let there = mesh.triangles[*other as usize].map(|v| weld.welded[v as usize]);
+                    *both |= is_even(there) != is_even([a, b, c]);
+                }
+                Entry::Occupied(_) => kept.push((f as u32, false)),
+                Entry::Vacant(slot) => {
+                    slot.insert(kept.len());
+                    kept.push((f as u32, false));
+                }
+            }
+        }
+        Self { kept, all: mesh.triangles.len() }
     }
 
-    fn note(&self, mesh: &Mesh, notes: &mut Vec<String>) {
-        let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
-        let several = (0..self.topology.edges.len())
-            .filter(|&e| self.topology.kind(e) == EdgeKind::NonManifold)
-            .count();
-        if several > 0 {
-            notes.push(format!(
-                "{name}: {several} edges join more than two triangles; the surface is cut there"
-            ));
+    /// The mesh with one of each; `None` if it has no more.
+    fn without(&self, mesh: &Mesh) -> Option<Mesh> {
+        if self.kept.len() == self.all {
+            return None;
         }
-        let turned = self.turned.iter().filter(|t| **t).count();
-        if turned > 0 {
-            notes.push(format!(
-                "{name}: {turned} triangles wind against their neighbours; lines take them turned over"
-            ));
-        }
+        let of = |i: &(u32, bool)| i.0 as usize;
+        let polygons = match mesh.polygons.is_empty() {
+            true => Vec::new(),
+            false => self.kept.iter().map(|i| mesh.polygons[of(i)]).collect(),
+        };
+        Some(Mesh {
+            triangles: self.kept.iter().map(|i| mesh.triangles[of(i)]).collect(),
+            materials: self.kept.iter().map(|i| mesh.materials[of(i)]).collect(),
+            polygons,
+            ..mesh.clone()
+        })
     }
+}
+
+/// Whether three different numbers can be sorted by turning them round.
+fn is_even([a, b, c]: [u32; 3]) -> bool {
+    (a < b && b < c) || (b < c && c < a) || (c < a && a < b)
+}
+
+/// The triangles of a topology, turned to wind alike, with their neighbours.
+fn net(
+    topology: &Topology,
+    turned: &[bool],
+    (joined, creased): (&[bool], &[bool]),
+    twins: &Twins,
+) -> Net {
+    let mut net = Net::default();
+    let mut face_of = vec![NONE; topology.triangles.len()];
+    let mut collapsed = topology.collapsed.iter().peekable();
+    for (f, &[a, b, c]) in topology.triangles.iter().enumerate() {
+        if collapsed.next_if(|&&c| c as usize == f).is_some() {
+            continue;
+        }
+        face_of[f] = net.triangles.len() as u32;
+        net.triangles.push(if turned[f] { [a, c, b] } else { [a, b, c] });
+        let (face, twice) = twins.kept[f];
+        net.origins.push(Origin { face, turned: turned[f], twice, part: 1 });
+    }
+    net.mate = vec![NONE; 3 * net.triangles.len()];
+    net.hard = vec![false; 3 * net.triangles.len()];
+    for edge in (0..topology.edges.len()).filter(|&e| joined[e]) {
+        let [a, b] = [topology.sides(edge)[0], topology.sides(edge)[1]].map(|s| {
+            let corner = corner_listed(s.corner(), turned[s.face()]);
+            3 * face_of[s.face()] as usize + corner
+        });
+        net.mate[a] = b as u32;
+        net.mate[b] = a as u32;
+        net.hard[a] = creased[edge];
+        net.hard[b] = creased[edge];
+    }
+    net
+}
+
+/// The corner at which a side begins once corners a, b, c are listed a, c, b: sides ab, bc, ca
+/// become ba, cb, ac.
+fn corner_listed(corner: usize, against: bool) -> usize {
+    if against { [2, 1, 0][corner] } else { corner }
 }
 
 fn creases(topology: &Topology, mesh: &Mesh, positions: &[Vec3], rule: &CreaseRule) -> Vec<bool> {
@@ -143,41 +258,39 @@ fn append(
     mesh: &Mesh,
     (index, object): (usize, &Object),
 ) {
-    let topology = &part.topology;
-    let base_vertex = corners.anchors.len() as u32;
-    let anchor = |&v: &u32| Anchor { object: index as u32, vertex: v };
-    corners.anchors.extend(topology.weld.first.iter().map(anchor));
-    let mut face_of = vec![NONE; topology.triangles.len()];
-    let mut collapsed = topology.collapsed.iter().peekable();
-    for (f, t) in topology.triangles.iter().enumerate() {
-        if collapsed.next_if(|&&c| c as usize == f).is_some() {
-            continue;
-        }
-        face_of[f] = corners.faces.len() as u32;
-        let turned = part.turned[f];
+    let (base_vertex, base_face) = (corners.anchors.len() as u32, corners.faces.len() as u32);
+    let anchor = |vertex: u32| Anchor { object: index as u32, vertex };
+    match &part.refinement {
+        Some(refinement) => corners.anchors.extend((0..refinement.count() as u32).map(anchor)),
+        None => corners.anchors.extend(part.first.iter().copied().map(anchor)),
+    }
+    let net = &part.net;
+    for (t, origin) in net.triangles.iter().zip(&net.origins) {
         let [a, b, c] = t.map(|v| v + base_vertex);
-        let clockwise = turned != object.mirrored;
-        corners.faces.push(if clockwise { [a, c, b] } else { [a, b, c] });
+        corners.faces.push(if object.mirrored { [a, c, b] } else { [a, b, c] });
+        let material = mesh.materials[origin.face as usize];
         corners.sources.push(Source {
             object: index as u32,
-            face: f as u32,
-            turned,
-            material: mesh.materials[f],
-            two_sided: scene.materials[mesh.materials[f].index()].double_sided,
-            opaque: is_opaque(&scene.materials[mesh.materials[f].index()]),
+            face: origin.face,
+            part: origin.part,
+            turned: origin.turned,
+            mirrored: object.mirrored,
+            material,
+            two_sided: origin.twice || scene.materials[material.index()].double_sided,
+            opaque: is_opaque(&scene.materials[material.index()]),
         });
-        corners.clockwise.push(clockwise);
     }
     corners.mate.resize(3 * corners.faces.len(), NONE);
     corners.hard.resize(3 * corners.faces.len(), false);
-    for edge in (0..topology.edges.len()).filter(|&e| part.joined[e]) {
-        let [a, b] = [topology.sides(edge)[0], topology.sides(edge)[1]];
-        let half = |s: Side| corners.half(face_of[s.face()], s.corner());
-        let (ha, hb) = (half(a), half(b));
-        corners.mate[ha as usize] = hb;
-        corners.mate[hb as usize] = ha;
-        corners.hard[ha as usize] = part.creased[edge];
-        corners.hard[hb as usize] = part.creased[edge];
+    let placed = |h: u32| {
+        3 * (base_face + h / 3) + corner_listed(h as usize % 3, object.mirrored) as u32
+    };
+    for h in 0..net.mate.len() as u32 {
+        let at = placed(h) as usize;
+        if net.mate[h as usize] != NONE {
+            corners.mate[at] = placed(net.mate[h as usize]);
+        }
+        corners.hard[at] = net.hard[h as usize];
     }
 }
 

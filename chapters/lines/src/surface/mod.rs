@@ -1,7 +1,8 @@
 //! [`Surface`]: all that is drawn as one oriented manifold with the same ids in every frame.
 //!
 //! 1. Each object's triangles are welded ([`chiaro_scene::topology`]) and wound alike; edges where
-//!    more than two triangles meet, or where no winding agrees, are cut (`build`).
+//!    more than two triangles meet, or where no winding agrees, are cut; coarse shapes are refined
+//!    (`build`, `refine`).
 //! 2. Creases are opened and closed again with a strip of no width (`bevel`): on both sides of a
 //!    crease the vertices have normals of their own, and the strip turns from one to the other. The
 //!    surface stays closed, and a silhouette runs along a sharp edge as along a round one.
@@ -12,9 +13,11 @@
 
 mod bevel;
 mod build;
+mod refine;
 mod ring;
 
 pub use build::CreaseRule;
+pub use refine::Refinement;
 pub use ring::Ring;
 
 use chiaro_scene::{Frame, MaterialId, Scene};
@@ -27,7 +30,7 @@ pub const NONE: u32 = u32::MAX;
 pub struct Anchor {
     /// Index into [`Frame::objects`].
     pub object: u32,
-    /// Index into the shape's positions.
+    /// Index into the shape's positions; where the shape is refined, into its points.
     pub vertex: u32,
 }
 
@@ -38,8 +41,12 @@ pub struct Source {
     pub object: u32,
     /// Index into the mesh's triangles.
     pub face: u32,
+    /// Which part of a refined triangle: one base-four digit a level, after a leading 1.
+    pub part: u16,
     /// Whether it was turned over to agree with its neighbours.
     pub turned: bool,
+    /// Whether its object mirrors.
+    pub mirrored: bool,
     /// Its material.
     pub material: MaterialId,
     /// Whether it is seen from its back.
@@ -83,12 +90,20 @@ pub struct Surface {
     pub strips: Vec<u32>,
     /// What had to be cut or turned over, in sentences.
     pub notes: Vec<String>,
+    /// How the points of each shape of the frame are found, where it is refined.
+    pub refinements: Vec<Option<Refinement>>,
 }
 
 impl Surface {
     /// The surface of what a frame draws; `rule` says what a crease is in this pose.
     pub fn of(scene: &Scene, frame: &Frame, rule: &CreaseRule) -> Self {
-        build::surface(scene, frame, rule)
+        Self::refined(scene, frame, rule, &[])
+    }
+
+    /// The same, each shape of the frame refined as many times as `levels` says (none if it says
+    /// nothing).
+    pub fn refined(scene: &Scene, frame: &Frame, rule: &CreaseRule, levels: &[u8]) -> Self {
+        build::surface(scene, frame, rule, levels)
     }
 
     /// Where a half-edge begins.

@@ -1,0 +1,77 @@
+//! How often each shape of a shot is refined: decided once, so that the surface is the same in every
+//! frame.
+//!
+//! The error of a silhouette grows with the edges that it crosses. Their lengths in the picture are
+//! gathered on a few frames; a shape is refined until four of five are short enough.
+
+use crate::film::{Ground, Reel};
+use crate::knob::LinesKnobs;
+use crate::posed::Posed;
+use crate::slice::Slice;
+use chiaro_scene::Frame;
+
+/// Frames of the shot that are looked at.
+const LOOKS: usize = 5;
+/// Share of the crossed edges that must be short enough.
+const MOST: f64 = 0.8;
+/// Most faces that refinement may lead to.
+const FACES: usize = 3_000_000;
+
+/// The levels of each shape of a shot's frames; `ground` is not refined.
+pub(crate) fn levels(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> Vec<u8> {
+    let looks = LOOKS.min(reel.count);
+    let mut lengths: Vec<Vec<f64>> = Vec::new();
+    for i in 0..looks {
+        let (frame, view) = (reel.at)(i * (reel.count - 1) / (looks - 1).max(1));
+        lengths.resize(frame.shapes.len(), Vec::new());
+        gather(&mut lengths, ground, &frame, &view, knobs);
+    }
+    let levels: Vec<u8> = lengths.iter_mut().map(|l| level(l, knobs)).collect();
+    affordable(levels, ground, &(reel.at)(0).0)
+}
+
+/// Adds the picture lengths of crossed edges to those of their shapes.
+fn gather(
+    lengths: &mut [Vec<f64>],
+    ground: &Ground,
+    frame: &Frame,
+    view: &crate::view::View,
+    knobs: &LinesKnobs,
+) {
+    let surface = &ground.surface;
+    let posed = Posed::new(surface, frame, knobs.smooth_normals);
+    for crossing in Slice::of(surface, &posed.facing(view)).crossings {
+        let face = surface.half[crossing.edge as usize] as usize / 3;
+        let Some(source) = surface.sources.get(face) else { continue };
+        let ends = surface.ends(crossing.edge).map(|v| view.see(posed.positions[v as usize]));
+        if let [Some(a), Some(b)] = ends
+            && view.holds(a.at.lerp(b.at, crossing.at), 0.0)
+        {
+            let shape = frame.objects[source.object as usize].shape;
+            lengths[shape].push(a.at.distance(b.at));
+        }
+    }
+}
+
+/// How often edges must be halved.
+fn level(lengths: &mut [f64], knobs: &LinesKnobs) -> u8 {
+    lengths.sort_by(f64::total_cmp);
+    let Some(long) = lengths.get((MOST * lengths.len() as f64) as usize) else { return 0 };
+    let halvings = (long / f64::from(knobs.subdivide_edge)).log2().ceil();
+    halvings.clamp(0.0, f64::from(knobs.subdivide)) as u8
+}
+
+/// Takes levels away while there would be too many faces.
+fn affordable(mut levels: Vec<u8>, ground: &Ground, frame: &Frame) -> Vec<u8> {
+    let mut faces = vec![0usize; levels.len()];
+    for source in &ground.surface.sources {
+        faces[frame.objects[source.object as usize].shape] += 1;
+    }
+    let total = |levels: &[u8]| -> usize {
+        faces.iter().zip(levels).map(|(f, l)| f.saturating_mul(1 << (2 * l))).sum()
+    };
+    while total(&levels) > FACES.max(faces.iter().sum()) {
+        levels.iter_mut().for_each(|l| *l = l.saturating_sub(1));
+    }
+    levels
+}
