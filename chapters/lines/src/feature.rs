@@ -2,7 +2,7 @@
 //! material borders.
 //!
 //! Edges of one kind are chained through the places where two of them meet; where more meet, the
-//! pair that runs on most straight in the pose given is joined. A chain's index is its identity.
+//! pairs that run on most straight in the pose given are joined. A chain's index is its identity.
 
 use crate::contour::Scenery;
 use crate::path::{Kind, Path, Point, Segment};
@@ -10,8 +10,8 @@ use crate::surface::{Anchor, NONE, Surface};
 use chiaro_basis::math::DVec3;
 use std::collections::BTreeMap;
 
-/// Pairs of edges that turn by more than this at a junction are not joined: cosine.
-const STRAIGHT: f64 = 0.7;
+/// Pairs of edges that turn by more than this at a junction are not joined: cosine of 105 degrees.
+const STRAIGHT: f64 = -0.26;
 
 /// Half-edges of one line, in order; each ends where the next begins.
 #[derive(Clone, Debug, PartialEq)]

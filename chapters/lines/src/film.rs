@@ -120,6 +120,8 @@ struct Ready {
 
 /// Pixels within which an event finds its strokes.
 const NEAR_EVENT: f64 = 40.0;
+/// Visible length that an id must reach in some frame, in parts of what is pruned.
+const BRIEF: f64 = 0.5;
 /// A camera that turns by more than this between frames may have been cut, radians.
 const CUT: f64 = 0.5;
 /// It has if it turned this many times less before.
@@ -202,8 +204,8 @@ struct Tracking<'a> {
     kinetic: Option<Kinetic<'a>>,
     next_label: u32,
     turned: f64,
-    /// The greatest picture length of each label's chain.
-    lengths: BTreeMap<u32, f64>,
+    /// The greatest picture length of each line: silhouettes by label, edges by chain.
+    lengths: BTreeMap<(Kind, u32), f64>,
 }
 
 /// What tracking needs of the frame before.
@@ -256,9 +258,11 @@ impl<'a> Tracking<'a> {
             self.locate(&interval, &ready.posed.positions, &ready.view);
             self.film.frames.last_mut().expect("an interval ends a frame").interval = interval;
         }
-        for path in lines.paths.iter().filter(|p| p.kind == Kind::Silhouette) {
-            let longest = self.lengths.entry(labels[path.chain as usize]).or_insert(0.0);
-            *longest = longest.max(path.total());
+        for path in &lines.paths {
+            if let Some(line) = lasting(path.kind, path.chain, &labels) {
+                let longest = self.lengths.entry((path.kind, line)).or_insert(0.0);
+                *longest = longest.max(path.total());
+            }
         }
         let stretches = [lines.visible.stretches, lines.visible.split];
         self.film.frames.push(FilmFrame {
@@ -381,6 +385,7 @@ impl<'a> Tracking<'a> {
         }
         name_hidden(&mut film);
         prune(&mut film, &self.lengths, f64::from(self.knobs.prune));
+        drop_brief(&mut film, BRIEF * f64::from(self.knobs.prune));
         for event in &mut film.events {
             event.strokes = taking_part(event, &film.frames);
         }
@@ -404,19 +409,46 @@ fn name_hidden(film: &mut Film) {
     }
 }
 
-/// Drops closed silhouettes that never grow longer than `longest` pixels: what noise makes. It is
-/// decided once over the life of a label, so that nothing flickers.
-fn prune(film: &mut Film, lengths: &BTreeMap<u32, f64>, longest: f64) {
+/// What stays the same of a line through the film, if it is followed: the label of a silhouette's
+/// chain, the index of a chain of edges.
+fn lasting(kind: Kind, chain: u32, labels: &[u32]) -> Option<u32> {
+    match kind {
+        Kind::Silhouette => Some(labels[chain as usize]),
+        kind if kind.is_edge() => Some(chain),
+        _ => None,
+    }
+}
+
+/// Drops closed silhouettes and chains of edges that never grow longer than `longest` pixels: what
+/// noise makes. It is decided once over the life of a line, so that nothing flickers.
+fn prune(film: &mut Film, lengths: &BTreeMap<(Kind, u32), f64>, longest: f64) {
     for frame in &mut film.frames {
         let (labels, chains) = (&frame.labels, &frame.slice.chains);
         let stays = |s: &Stroke| {
-            let chain = s.chain as usize;
-            s.kind != Kind::Silhouette
-                || !chains[chain].closed
-                || lengths.get(&labels[chain]).is_none_or(|l| *l >= longest)
+            let open = s.kind == Kind::Silhouette && !chains[s.chain as usize].closed;
+            let line = lasting(s.kind, s.chain, labels).filter(|_| !open);
+            line.and_then(|l| lengths.get(&(s.kind, l))).is_none_or(|l| *l >= longest)
         };
         frame.strokes.retain(stays);
         frame.hidden.retain(stays);
+    }
+}
+
+/// Drops the ids of which no frame shows as much as `least` pixels: specks at the ends of lines.
+fn drop_brief(film: &mut Film, least: f64) {
+    let mut most: BTreeMap<u32, f64> = BTreeMap::new();
+    for frame in &film.frames {
+        let mut here: BTreeMap<u32, f64> = BTreeMap::new();
+        for s in &frame.strokes {
+            *here.entry(s.id).or_insert(0.0) += s.total();
+        }
+        for (id, length) in here {
+            let longest = most.entry(id).or_insert(0.0);
+            *longest = longest.max(length);
+        }
+    }
+    for frame in &mut film.frames {
+        frame.strokes.retain(|s| most[&s.id] >= least);
     }
 }
 

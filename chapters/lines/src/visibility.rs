@@ -10,10 +10,12 @@
 //!
 //! Nothing is carried over from other frames: it would only delay true changes.
 
-use crate::path::{Path, Place};
+use crate::path::{Kind, Path, Place, Segment};
 use crate::sight::Sight;
+use crate::surface::NONE;
 use crate::view::View;
 use chiaro_basis::math::DVec2;
+use std::collections::HashSet;
 
 /// Pixels between the samples that vote.
 const SPACING: f64 = 3.0;
@@ -25,6 +27,8 @@ const AGREE: f64 = 0.85;
 const SLACK: f64 = 1e-6;
 /// The same for edges, which lie in their faces' planes and touch their neighbours.
 const EDGE_SLACK: f64 = 1e-4;
+/// Gaps of creases below this are filled in where silhouettes are too short to be drawn, pixels.
+const VACANT: f64 = 16.0;
 /// Side of the squares in which crossings are looked for, pixels.
 const CELL: f64 = 16.0;
 
@@ -61,13 +65,42 @@ pub struct Visible {
 /// The visible parts of the paths of one frame.
 pub fn visible(paths: &[Path], sight: &Sight<'_>, view: &View, limits: &Limits) -> Visible {
     let crossings = crossings(paths, view);
-    let mut visible = Visible::default();
-    for (path, crossings) in paths.iter().zip(crossings) {
+    let mut visible = Visible { runs: vec![Vec::new(); paths.len()], ..Visible::default() };
+    // Silhouettes first: creases give way to them, and fill in where they are too short.
+    let mut order: Vec<usize> = (0..paths.len()).collect();
+    order.sort_by_key(|&i| paths[i].kind == Kind::Crease);
+    let mut crossings: Vec<Vec<Place>> = crossings;
+    let mut taken = HashSet::new();
+    for i in order {
+        let path = &paths[i];
         let looker = Looker { path, sight, view };
-        let labels = looker.labels(crossings, &mut visible);
-        visible.runs.push(runs(path, labels, limits));
+        let labels = looker.labels(std::mem::take(&mut crossings[i]), &mut visible);
+        visible.runs[i] = runs(path, labels, limits, &taken);
+        if path.kind == Kind::Silhouette {
+            taken.extend(visible.runs[i].iter().flat_map(|r| edges(path, r.start, r.end)));
+        }
     }
     visible
+}
+
+/// A crease as the pair of faces beside it.
+type EdgeKey = [u32; 2];
+
+/// The creases along which a path runs between two places.
+fn edges(path: &Path, from: Place, to: Place) -> impl Iterator<Item = EdgeKey> {
+    let n = path.segments.len().max(1);
+    let segments = (from as usize..to.ceil() as usize).map(move |k| path.segments[k % n]);
+    let key = |s: Segment| [s.own[0].min(s.own[1]), s.own[0].max(s.own[1])];
+    segments.filter(|s| s.own[0] != NONE && s.own[1] != NONE).map(key)
+}
+
+/// Whether a gap in a crease is there for silhouettes that are not drawn.
+fn vacant(path: &Path, from: Place, to: Place, taken: &HashSet<EdgeKey>) -> bool {
+    path.kind == Kind::Crease
+        && path.length_at(to) - path.length_at(from) < VACANT
+        && (from as usize..(to.ceil() as usize).min(path.segments.len()))
+            .all(|k| path.segments[k].buried && !path.segments[k].outside)
+        && edges(path, from, to).all(|e| !taken.contains(&e))
 }
 
 /// A part of a path with one label.
@@ -169,11 +202,21 @@ impl Looker<'_> {
 
 /// Labels to visible runs: joined, gaps bridged, short runs dropped; on closed paths across the
 /// first point too.
-fn runs(path: &Path, labels: Vec<Label>, limits: &Limits) -> Vec<Run> {
+fn runs(
+    path: &Path,
+    labels: Vec<Label>,
+    limits: &Limits,
+    taken: &HashSet<EdgeKey>,
+) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for label in labels.iter().filter(|l| l.seen) {
         match runs.last_mut() {
-            Some(last) if bridged(path, last.end, label.start, limits) => last.end = label.end,
+            Some(last)
+                if bridged(path, last.end, label.start, limits)
+                    || vacant(path, last.end, label.start, taken) =>
+            {
+                last.end = label.end;
+            }
             _ => runs.push(Run { start: label.start, end: label.end }),
         }
     }
