@@ -290,6 +290,9 @@ pub(crate) struct MarksArgs {
     /// What becomes of hidden lines: drop or dashed.
     #[arg(long, value_name = "HOW")]
     pub(crate) hidden: Option<String>,
+    /// Measure errors of visibility against a surface sixteen times finer; takes a while.
+    #[arg(long, value_name = "fine")]
+    pub(crate) check: Option<String>,
     /// Set a knob, as in width=3; the manual of the library chiaro-lines lists them all.
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub(crate) sets: Vec<String>,

@@ -54,7 +54,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let job = binary::Job { project, look, target, dump_graph };
             job.run(run).map(Some)
         }
-        Command::Lines { scene, output, marks, print, .. } => {
+        Command::Lines { scene, output, marks, print, common } => {
             let options = scene.options()?;
             let mut knobs = LinesKnobs::default();
             marks.sets.iter().try_for_each(|text| style::set(&mut knobs, text))?;
@@ -65,7 +65,14 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let target = lines::target(output, options.frames.as_ref().map_or(1, Vec::len))?;
             let project = Project::open(&scene.scene, options, run)?;
             let (project, knobs) = (&project, &knobs);
-            lines::Job { project, knobs, colours, print, target }.run(run).map(Some)
+            let check = match marks.check.as_deref() {
+                None => false,
+                Some("fine") => true,
+                Some(other) => return Err(Error::setting("--check", other, "fine")),
+            };
+            let measure = common.json.is_some();
+            let job = lines::Job { project, knobs, colours, print, target, measure, check };
+            job.run(run).map(Some)
         }
         Command::Compare { a, b, motion, .. } => {
             match (motion, [a, b].into_iter().find(|p| compare_films::is_film(p))) {

@@ -2,6 +2,7 @@
 
 use crate::contour::Scenery;
 use crate::feature::Features;
+use crate::intersect::intersections;
 use crate::knob::{Hidden, LinesKnobs};
 use crate::path::{Kind, Path};
 use crate::posed::Posed;
@@ -74,12 +75,15 @@ impl Lines {
         paths.extend(scenery.silhouettes(&slice, &g));
         let sets = zero_sets(&scenery, &g, knobs);
         paths.extend(sets.iter().flat_map(|set| scenery.trimmed(set)));
-        let further = sets.into_iter().map(|s| (s.kind, s.slice)).collect();
-        paths.retain(|p| p.total() > 0.0);
         let sight = Sight::new(surface, moment.posed, view, |face, front| {
             let source = &surface.sources[face];
             source.opaque && (source.two_sided || front != source.turned)
         });
+        if knobs.intersection {
+            paths.extend(intersections(&scenery, &sight));
+        }
+        let further = sets.into_iter().map(|s| (s.kind, s.slice)).collect();
+        paths.retain(|p| p.total() > 0.0);
         let limits = Limits { gap: f64::from(knobs.bridge), run: f64::from(knobs.shortest) };
         let visible = visible(&paths, &sight, view, &limits);
         let (strokes, runs) = strokes(&paths, &visible, knobs, moment);
@@ -136,6 +140,7 @@ fn is_drawn(kind: Kind, knobs: &LinesKnobs) -> bool {
         Kind::Crease => knobs.crease,
         Kind::Border => knobs.border,
         Kind::Material => knobs.material,
+        Kind::Intersection => knobs.intersection,
         // The others are not even looked for unless they are drawn.
         _ => true,
     }

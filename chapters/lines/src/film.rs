@@ -130,7 +130,16 @@ const SUDDEN: f64 = 4.0;
 impl Film {
     /// Finds and tracks the lines of a shot.
     pub fn of(reel: &Reel<'_>, knobs: &LinesKnobs, run: &Run) -> Result<Self> {
-        let fixed = reel.ground(knobs, run);
+        Self::on(reel, reel.ground(knobs, 0, run), knobs, run)
+    }
+
+    /// The same on a surface that is there already.
+    pub(crate) fn on(
+        reel: &Reel<'_>,
+        fixed: Option<Arc<Ground>>,
+        knobs: &LinesKnobs,
+        run: &Run,
+    ) -> Result<Self> {
         let mut tracking = Tracking::new(knobs, fixed.as_deref());
         let chunk = 2 * rayon::current_num_threads().max(1);
         let mut ready: Vec<Ready> = Vec::new();
@@ -162,22 +171,23 @@ impl Film {
 }
 
 impl Reel<'_> {
-    /// The surface of the shot; `None` where some mesh is made anew in every frame.
-    fn ground(&self, knobs: &LinesKnobs, run: &Run) -> Option<Arc<Ground>> {
+    /// The surface of the shot, refined as the knobs ask and `more` times more; `None` where some
+    /// mesh is made anew in every frame.
+    pub(crate) fn ground(&self, knobs: &LinesKnobs, more: u8, run: &Run) -> Option<Arc<Ground>> {
         if self.count == 0 {
             return None;
         }
         run.stage("lines", 0, || {
             let (frame, _) = (self.at)(0);
-            let remade = frame.shapes.iter().any(|s| s.remade.is_some());
-            if remade {
+            if frame.shapes.iter().any(|s| s.remade.is_some()) {
                 return None;
             }
             let ground = Ground::of(self.scene, &frame, knobs, &[]);
-            let levels = match knobs.subdivide {
-                0 => Vec::new(),
+            let mut levels = match knobs.subdivide {
+                0 => vec![0; frame.shapes.len()],
                 _ => crate::refine::levels(self, &ground, knobs),
             };
+            levels.iter_mut().for_each(|l| *l += more);
             let coarse = levels.iter().all(|l| *l == 0);
             let ground =
                 if coarse { ground } else { Ground::of(self.scene, &frame, knobs, &levels) };
@@ -345,9 +355,11 @@ impl<'a> Tracking<'a> {
         let chain = |s: &Stroke| s.chain * Kind::ALL.len() as u32 + kind(s) as u32;
         let chains: Vec<u32> = lines.strokes.iter().map(chain).collect();
         self.identity.advance(&chains, &families);
-        if let (None, Some(before), false) = (self.fixed, self.film.frames.last(), begins) {
+        if let (Some(before), false) = (self.film.frames.last(), begins) {
             let number = self.film.frames.len();
-            for (a, b, weight) in crate::vote::votes(&before.strokes, &lines.strokes, &ready.view) {
+            let counts = |kind: Kind| self.fixed.is_none() || kind.is_voted();
+            let strokes = [&before.strokes, &lines.strokes];
+            for (a, b, weight) in crate::vote::votes(strokes, counts, &ready.view) {
                 let nodes = [(number - 1, a), (number, b)].map(|(f, s)| self.identity.node(f, s));
                 self.identity.link(nodes[0], nodes[1], weight);
             }

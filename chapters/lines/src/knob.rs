@@ -34,6 +34,7 @@ knobs! {
         crease: bool = true, Switch, "", "", "sharp edges";
         border: bool = true, Switch, "", "", "where a surface ends";
         material: bool = true, Switch, "", "", "borders between materials";
+        intersection: bool = true, Switch, "", "", "where pieces pass through each other";
         suggestive: bool = false, Switch, "", "", "suggestive contours";
         ridge: bool = false, Switch, "", "", "ridges";
         valley: bool = false, Switch, "", "", "valleys";

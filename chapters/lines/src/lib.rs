@@ -38,16 +38,19 @@
 //! # chiaro_basis::Result::Ok(())
 //! ```
 //!
-//! Not guaranteed: where bodies run into each other no line is drawn along the seam; contacts one
-//! or two triangles wide may be shown or hidden wrongly.
+//! Not guaranteed: contacts one or two triangles wide may be shown or hidden wrongly; a piece that
+//! passes through itself shows no line there.
 
+pub mod check;
 pub mod contour;
 mod curvature;
 mod extract;
 mod feature;
 mod film;
+mod intersect;
 mod knob;
 mod measure;
+mod partner;
 mod path;
 mod posed;
 mod refine;
@@ -66,6 +69,7 @@ pub use feature::{FeatureChain, Features};
 pub use film::{Film, FilmEvent, FilmFrame, Ground, Reel};
 pub use knob::{Hidden, LineColour, LinesKnobs};
 pub use measure::{Measures, distance, measure};
+pub use partner::Partner;
 pub use path::{Kind, Path, Place, Point, Segment};
 pub use posed::{Posed, positions};
 pub use sight::Sight;

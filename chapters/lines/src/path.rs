@@ -15,6 +15,8 @@ pub enum Kind {
     Border,
     /// Between two materials.
     Material,
+    /// Where two pieces of the surface pass through each other.
+    Intersection,
     /// Where a silhouette would appear if the view turned a little.
     Suggestive,
     /// Where the surface is bent outwards most.
@@ -29,13 +31,14 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds, in the order in which they are drawn.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Terminator,
         Self::Suggestive,
         Self::ApparentRidge,
         Self::Valley,
         Self::Ridge,
         Self::Material,
+        Self::Intersection,
         Self::Crease,
         Self::Border,
         Self::Silhouette,
@@ -48,6 +51,7 @@ impl Kind {
             Self::Crease => "crease",
             Self::Border => "border",
             Self::Material => "material",
+            Self::Intersection => "intersection",
             Self::Suggestive => "suggestive",
             Self::Ridge => "ridge",
             Self::Valley => "valley",
@@ -59,6 +63,11 @@ impl Kind {
     /// Whether it is made of edges of the surface.
     pub fn is_edge(self) -> bool {
         matches!(self, Self::Crease | Self::Border | Self::Material)
+    }
+
+    /// Whether it is followed through time by votes in the picture alone.
+    pub fn is_voted(self) -> bool {
+        self == Self::Intersection
     }
 
     /// Whether such a line can stand in front of another.

@@ -29,6 +29,8 @@ const SLACK: f64 = 1e-6;
 const EDGE_SLACK: f64 = 1e-4;
 /// Gaps of creases below this are filled in where silhouettes are too short to be drawn, pixels.
 const VACANT: f64 = 16.0;
+/// Lines meet in space where their depths differ by less than this, in parts of the depth.
+const MEET: f64 = 1e-3;
 /// Side of the squares in which crossings are looked for, pixels.
 const CELL: f64 = 16.0;
 
@@ -202,12 +204,7 @@ impl Looker<'_> {
 
 /// Labels to visible runs: joined, gaps bridged, short runs dropped; on closed paths across the
 /// first point too.
-fn runs(
-    path: &Path,
-    labels: Vec<Label>,
-    limits: &Limits,
-    taken: &HashSet<EdgeKey>,
-) -> Vec<Run> {
+fn runs(path: &Path, labels: Vec<Label>, limits: &Limits, taken: &HashSet<EdgeKey>) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for label in labels.iter().filter(|l| l.seen) {
         match runs.last_mut() {
@@ -307,7 +304,7 @@ struct Line {
     a: DVec2,
     b: DVec2,
     depth: [f64; 2],
-    occludes: bool,
+    kind: Kind,
 }
 
 /// For each path, the places where a nearer line crosses it.
@@ -319,7 +316,7 @@ fn crossings(paths: &[Path], view: &View) -> Vec<Vec<Place>> {
         for (i, &a) in members.iter().enumerate() {
             for &b in &members[i + 1..] {
                 let (a, b) = (&lines[a as usize], &lines[b as usize]);
-                if a.occludes || b.occludes {
+                if [a.kind, b.kind].iter().any(|k| cuts_others(*k)) {
                     cross(a, b, |p| cells.cell(p) == Some(cell), &mut cuts);
                 }
             }
@@ -339,7 +336,7 @@ fn lines(paths: &[Path]) -> Vec<Line> {
                     a: a.at,
                     b: b.at,
                     depth: [a.depth, b.depth],
-                    occludes: path.kind.occludes(),
+                    kind: path.kind,
                 });
             }
         }
@@ -362,11 +359,22 @@ fn cross(a: &Line, b: &Line, here: impl Fn(DVec2) -> bool, cuts: &mut [Vec<Place
     // Depth is not linear in the picture, its inverse is; on short segments both will do.
     let depth = |l: &Line, t: f64| 1.0 / (1.0 / l.depth[0] * (1.0 - t) + t / l.depth[1]);
     let (za, zb) = (depth(a, s), depth(b, t));
-    if a.occludes && za < zb {
+    // What passes through a surface is hidden from there on.
+    let meet = (za - zb).abs() < MEET * za;
+    let cut = |kind: Kind, nearer: bool| match kind {
+        Kind::Intersection => meet,
+        _ => kind.occludes() && nearer,
+    };
+    if cut(a.kind, za < zb) {
         cuts[b.path as usize].push(f64::from(b.index) + t);
-    } else if b.occludes && zb < za {
+    } else if cut(b.kind, zb < za) {
         cuts[a.path as usize].push(f64::from(a.index) + s);
     }
+}
+
+/// Whether a line can change what is seen of others that it crosses.
+fn cuts_others(kind: Kind) -> bool {
+    kind.occludes() || kind == Kind::Intersection
 }
 
 /// Squares of the picture with the segments that may pass through each.

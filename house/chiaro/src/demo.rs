@@ -122,6 +122,8 @@ fn line_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(S
             colours: Colours::default(),
             print: Print::default(),
             target: Target::parse(&folder.join(file), count as usize)?,
+            measure: false,
+            check: false,
         };
         record.outputs.extend(job.run(run)?.outputs);
         pictures.push((file.to_owned(), caption.to_owned()));

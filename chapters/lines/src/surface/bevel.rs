@@ -42,6 +42,7 @@ pub(super) fn surface(mut corners: Corners) -> Surface {
     fill_corners(&mut surface);
     surface.strips.resize(surface.faces.len() - surface.real_faces, NONE);
     surface.finish();
+    surface.pieces = crate::intersect::pieces(&surface);
     surface
 }
 

@@ -77,9 +77,8 @@ impl Part {
 fn notes(mesh: &Mesh, topology: &Topology, turned: &[bool]) -> Vec<String> {
     let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
     let mut notes = Vec::new();
-    let several = (0..topology.edges.len())
-        .filter(|&e| topology.kind(e) == EdgeKind::NonManifold)
-        .count();
+    let several =
+        (0..topology.edges.len()).filter(|&e| topology.kind(e) == EdgeKind::NonManifold).count();
     if several > 0 {
         notes.push(format!(
             "{name}: {several} edges join more than two triangles; the surface is cut there"
@@ -148,7 +147,7 @@ impl Twins {
 
 /// Whether three different numbers can be sorted by turning them round.
 fn is_even([a, b, c]: [u32; 3]) -> bool {
-    (a < b && b < c) || (b < c && c < a) || (c < a && a < b)
+    [a < b, b < c, c < a].into_iter().filter(|rises| *rises).count() == 2
 }
 
 /// The triangles of a topology, turned to wind alike, with their neighbours.
@@ -282,9 +281,8 @@ fn append(
     }
     corners.mate.resize(3 * corners.faces.len(), NONE);
     corners.hard.resize(3 * corners.faces.len(), false);
-    let placed = |h: u32| {
-        3 * (base_face + h / 3) + corner_listed(h as usize % 3, object.mirrored) as u32
-    };
+    let placed =
+        |h: u32| 3 * (base_face + h / 3) + corner_listed(h as usize % 3, object.mirrored) as u32;
     for h in 0..net.mate.len() as u32 {
         let at = placed(h) as usize;
         if net.mate[h as usize] != NONE {

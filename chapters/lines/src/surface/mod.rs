@@ -90,6 +90,8 @@ pub struct Surface {
     pub strips: Vec<u32>,
     /// What had to be cut or turned over, in sentences.
     pub notes: Vec<String>,
+    /// Which connected piece each real face is a part of.
+    pub pieces: Vec<u32>,
     /// How the points of each shape of the frame are found, where it is refined.
     pub refinements: Vec<Option<Refinement>>,
 }

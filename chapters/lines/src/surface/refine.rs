@@ -262,11 +262,9 @@ fn quartered(net: &Net, middle: &[u32]) -> Net {
         let origin = net.origins[f];
         finer.origins.extend((0..4).map(|k| Origin { part: 4 * origin.part + k, ..origin }));
         let inner = |child: usize, corner: usize| 3 * (4 * f + child) + corner;
-        for (x, y) in [
-            (inner(0, 1), inner(3, 2)),
-            (inner(1, 2), inner(3, 0)),
-            (inner(2, 0), inner(3, 1)),
-        ] {
+        for (x, y) in
+            [(inner(0, 1), inner(3, 2)), (inner(1, 2), inner(3, 0)), (inner(2, 0), inner(3, 1))]
+        {
             finer.mate[x] = y as u32;
             finer.mate[y] = x as u32;
         }

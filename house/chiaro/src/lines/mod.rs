@@ -16,6 +16,7 @@ use crate::record::{Record, frame_recipe, knob_settings};
 use crate::vector::Print;
 use chiaro_basis::{Error, Result, Run};
 use chiaro_image::codec;
+use chiaro_lines::check::check;
 use chiaro_lines::{Film, LinesKnobs, Reel, View};
 use chiaro_scene::Frame;
 use serde_json::{Map, Value, json};
@@ -35,6 +36,10 @@ pub struct Job<'a> {
     pub print: Print,
     /// Where the lines go.
     pub target: Target,
+    /// Whether the record needs the measures even of films that are there already.
+    pub measure: bool,
+    /// Whether visibility is compared with that on a surface sixteen times finer.
+    pub check: bool,
 }
 
 /// What a file holds.
@@ -82,19 +87,24 @@ impl Shot {
     /// Finds and tracks the lines of a project's shot.
     pub fn track(project: &Project, camera: Camera, knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         let numbers = project.shot();
-        let poser = project.poser();
-        let at = |i: usize| {
-            let frame = poser.frame(project.time(numbers[i]), &project.playback);
-            let view = View::new(camera.pose(&frame, numbers[i]), camera.size);
-            (frame, view)
-        };
-        let reel = Reel { scene: &project.scene, count: numbers.len(), at: &at };
-        let film = Film::of(&reel, knobs, run)?;
+        let film = with_reel(project, &camera, |reel| Film::of(reel, knobs, run))?;
         for note in &film.notes {
             run.warn(note);
         }
         Ok(Self { camera, numbers, film })
     }
+}
+
+/// Works on a project's shot as lines see it.
+fn with_reel<T>(project: &Project, camera: &Camera, work: impl FnOnce(&Reel<'_>) -> T) -> T {
+    let numbers = project.shot();
+    let poser = project.poser();
+    let at = |i: usize| {
+        let frame = poser.frame(project.time(numbers[i]), &project.playback);
+        let view = View::new(camera.pose(&frame, numbers[i]), camera.size);
+        (frame, view)
+    };
+    work(&Reel { scene: &project.scene, count: numbers.len(), at: &at })
 }
 
 /// The camera of a shot.
@@ -115,10 +125,14 @@ impl Job<'_> {
         let recipe = |number| frame_recipe("lines", settings.clone(), number);
         let mut frames = Frames::new(&self.target, &recipe);
         let missing = frames.missing(self.project.frames());
-        if !missing.is_empty() {
+        if self.check {
+            let errors = with_reel(self.project, &camera, |reel| check(reel, self.knobs, run))?;
+            record.counts.extend(counts(errors.named()));
+        }
+        if !missing.is_empty() || self.measure {
             let shot = Shot::track(self.project, camera, self.knobs, run)?;
             self.write(&shot, &missing, (encoding, &recipe), &mut frames, run)?;
-            frames.measured(missing[0], measures(&shot));
+            frames.measured(missing.first().copied().unwrap_or(0), measures(&shot));
         }
         frames.finish(self.project.options.fps, &mut record, run)?;
         record.settings = settings;
@@ -186,6 +200,9 @@ impl Job<'_> {
 
 /// The measures of a shot, for the record.
 fn measures(shot: &Shot) -> Map<String, Value> {
-    let named = chiaro_lines::measure(&shot.film).named();
+    counts(chiaro_lines::measure(&shot.film).named())
+}
+
+fn counts(named: Vec<(&'static str, f64)>) -> Map<String, Value> {
     named.into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect()
 }

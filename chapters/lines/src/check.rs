@@ -1,0 +1,189 @@
+//! [`check`]: how often visibility errs, against the same lines on a surface sixteen times finer.
+//!
+//! 1. The shot's silhouettes are found twice with nothing bridged or dropped, hidden parts too: on
+//!    the surface as it is, and on that surface refined twice more.
+//! 2. A sample is *wrongly shown* when it is visible, no visible silhouette of the fine surface is
+//!    within [`NEAR`] pixels, and a hidden one is; *wrongly hidden* when a visible sample of the fine
+//!    surface has near it a hidden silhouette of the coarse one and no visible one. What is nearer
+//!    than [`NEAR`] to the end of a visible stretch is so never counted.
+//! 3. A sample with no line of the other surface near it at all is *apart*: the shapes differ there,
+//!    not their visibility.
+//! 4. A *flicker* is a visible sample whose material point has a visible line near it two frames
+//!    later, but none in the frame between.
+
+use crate::film::{Film, FilmFrame, Reel};
+use crate::knob::{Hidden, LinesKnobs};
+use crate::path::Kind;
+use crate::stroke::{Sample, Stroke};
+use chiaro_basis::math::DVec2;
+use chiaro_basis::{Result, Run};
+use std::collections::HashMap;
+
+/// Lines within this of each other are the same, pixels.
+const NEAR: f64 = 2.0;
+/// Depths that differ by more than this do not belong to one line, in parts of the depth.
+const DEPTH: f64 = 0.02;
+/// How often the fine surface is refined once more: each time to four times the faces.
+const LEVELS: u8 = 2;
+
+/// Errors of visibility over a shot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Length of visible silhouettes on the fine surface, pixels.
+    pub visible: f64,
+    /// Share of it that is hidden on the coarse one.
+    pub hidden: f64,
+    /// Length that is shown though the fine surface hides it, over the same.
+    pub shown: f64,
+    /// Visible length, of both, with no line of the other near, over the same.
+    pub apart: f64,
+    /// Flickers a 1000 pixels of visible line, and those of the fine surface.
+    pub flickers: [f64; 2],
+}
+
+impl Errors {
+    /// Names and values for records.
+    pub fn named(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("visible_px", self.visible),
+            ("wrongly_hidden_share", self.hidden),
+            ("wrongly_shown_share", self.shown),
+            ("apart_share", self.apart),
+            ("flickers_per_1000px", self.flickers[0]),
+            ("flickers_of_fine_per_1000px", self.flickers[1]),
+        ]
+    }
+}
+
+/// Compares the visibility of a shot's silhouettes with that on a finer surface; all zero where
+/// meshes are made anew in every frame.
+pub fn check(reel: &Reel<'_>, knobs: &LinesKnobs, run: &Run) -> Result<Errors> {
+    let bare = LinesKnobs {
+        crease: false,
+        border: false,
+        material: false,
+        bridge: 0.0,
+        shortest: 0.0,
+        prune: 0.0,
+        step: 1.0,
+        hidden: Hidden::Dashed,
+        ..*knobs
+    };
+    let [Some(coarse), Some(fine)] = [0, LEVELS].map(|more| reel.ground(&bare, more, run)) else {
+        return Ok(Errors::default());
+    };
+    let coarse = Film::on(reel, Some(coarse), &bare, run)?;
+    let fine = Film::on(reel, Some(fine), &bare, run)?;
+    Ok(compare(&coarse, &fine))
+}
+
+/// Compares two films of the same shot.
+fn compare(coarse: &Film, fine: &Film) -> Errors {
+    let mut errors = Errors::default();
+    for (c, f) in coarse.frames.iter().zip(&fine.frames) {
+        let (near_c, near_f) = (Near::of(c), Near::of(f));
+        errors.visible += f.strokes.iter().map(Stroke::total).sum::<f64>();
+        let [wrong, apart] = unmatched(&f.strokes, &near_c);
+        errors.hidden += wrong;
+        errors.apart += apart;
+        let [wrong, apart] = unmatched(&c.strokes, &near_f);
+        errors.shown += wrong;
+        errors.apart += apart;
+    }
+    let visible = errors.visible.max(f64::MIN_POSITIVE);
+    Errors {
+        hidden: errors.hidden / visible,
+        shown: errors.shown / visible,
+        apart: errors.apart / visible,
+        flickers: [flickers(coarse), flickers(fine)],
+        ..errors
+    }
+}
+
+/// Length of strokes that have near them only hidden lines of the other surface, and none at all.
+fn unmatched(strokes: &[Stroke], other: &Near) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for stroke in strokes {
+        let weight = stroke.total() / stroke.samples.len() as f64;
+        for s in &stroke.samples {
+            match other.at(s.at, s.depth) {
+                [true, _] => {}
+                [false, true] => sums[0] += weight,
+                [false, false] => sums[1] += weight,
+            }
+        }
+    }
+    sums
+}
+
+/// Flickers a 1000 pixels.
+fn flickers(film: &Film) -> f64 {
+    let (mut count, mut length) = (0.0, 0.0);
+    let near: Vec<Near> = film.frames.iter().map(Near::of).collect();
+    for (i, three) in film.frames.windows(3).enumerate() {
+        if three[1].begins || three[2].begins {
+            continue;
+        }
+        for stroke in &three[0].strokes {
+            let weight = stroke.total() / stroke.samples.len() as f64;
+            for s in &stroke.samples {
+                length += weight;
+                let later = step(s, &three[1]).map(|(at, depth)| {
+                    let seen = near[i + 1].at(at, depth)[0];
+                    // Steps are small: the same once more.
+                    let further = at + (at - s.at);
+                    !seen && near[i + 2].at(further, 2.0 * depth - s.depth)[0]
+                });
+                count += if later == Some(true) { weight } else { 0.0 };
+            }
+        }
+    }
+    if length > 0.0 { 1000.0 * count / length } else { 0.0 }
+}
+
+/// Where a sample's material point is in the next frame.
+fn step(sample: &Sample, next: &FilmFrame) -> Option<(DVec2, f64)> {
+    let seen = next.view.see(sample.next_world?)?;
+    Some((seen.at, seen.depth))
+}
+
+/// The samples of a frame's silhouettes by cells of the picture.
+struct Near {
+    cells: HashMap<[i32; 2], Vec<(DVec2, f64, bool)>>,
+}
+
+impl Near {
+    fn of(frame: &FilmFrame) -> Self {
+        let mut cells: HashMap<[i32; 2], Vec<(DVec2, f64, bool)>> = HashMap::new();
+        for stroke in frame.strokes.iter().chain(&frame.hidden) {
+            if stroke.kind != Kind::Silhouette {
+                continue;
+            }
+            for s in &stroke.samples {
+                cells.entry(cell(s.at)).or_default().push((s.at, s.depth, stroke.visible));
+            }
+        }
+        Self { cells }
+    }
+
+    /// Whether a visible line is near, and whether a hidden one is.
+    fn at(&self, at: DVec2, depth: f64) -> [bool; 2] {
+        let [x, y] = cell(at);
+        let mut found = [false; 2];
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                for (p, z, visible) in self.cells.get(&[x + dx, y + dy]).into_iter().flatten() {
+                    if p.distance(at) < NEAR && (z - depth).abs() < DEPTH * depth {
+                        found[usize::from(!visible)] = true;
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+fn cell(at: DVec2) -> [i32; 2] {
+    let c = (at / NEAR).floor();
+    [c.x as i32, c.y as i32]
+}

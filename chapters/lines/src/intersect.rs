@@ -1,0 +1,218 @@
+//! Lines along which pieces of the surface pass through each other.
+//!
+//! 1. Faces of different pieces that share a tile of the picture and a range of depths are tried in
+//!    pairs. Nothing is tried where the surface is one piece, and a piece is not tried against itself.
+//! 2. Two faces share a segment. Its ends are where an edge of one goes through the other, and so
+//!    belong to the neighbour across that edge too: by them segments are chained.
+//!
+//! Faces that only touch, or lie in one plane, share no line.
+
+use crate::contour::Scenery;
+use crate::path::{Kind, Path, Point, Segment};
+use crate::sight::Sight;
+use crate::surface::{NONE, Surface};
+use chiaro_basis::math::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What is behind a face by less than this counts as before it, in parts of the face's size: feet on
+/// a floor only touch it.
+const TOUCH: f64 = 1e-5;
+
+/// An edge that goes through a face: its creases' two sides are one.
+type Hole = (u32, u32);
+
+/// What two faces share.
+struct Shared {
+    faces: [u32; 2],
+    ends: [Hole; 2],
+}
+
+/// The paths along which pieces meet, where the picture may show them.
+pub(crate) fn intersections(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Path> {
+    let pieces = &scenery.surface.pieces;
+    if pieces.iter().all(|p| *p == 0) {
+        return Vec::new();
+    }
+    let edges = Edges::of(scenery.surface);
+    let mut holes = BTreeMap::new();
+    let mut shared = Vec::new();
+    for (f, g) in pairs(sight, pieces) {
+        let ends = edges.holes(scenery, (f, g), &mut holes);
+        if let [a, b] = ends[..] {
+            shared.push(Shared { faces: [f, g], ends: [a, b] });
+        }
+    }
+    let chains = chained(&shared);
+    let path = |(i, c): (usize, &Chain)| path(i as u32, c, &shared, &holes, scenery, &edges);
+    chains.iter().enumerate().map(path).collect()
+}
+
+/// Faces of different pieces that may touch in the picture, each pair once, rising.
+fn pairs(sight: &Sight<'_>, pieces: &[u32]) -> BTreeSet<(u32, u32)> {
+    let mut pairs = BTreeSet::new();
+    let mut here: Vec<(f64, f64, u32)> = Vec::new();
+    for faces in sight.tiles() {
+        let first = faces.first().map(|f| pieces[*f as usize]);
+        if faces.iter().all(|f| Some(pieces[*f as usize]) == first) {
+            continue;
+        }
+        here.clear();
+        here.extend(faces.iter().map(|&f| {
+            let [near, far] = sight.depths(f);
+            (near, far, f)
+        }));
+        here.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+        for (i, a) in here.iter().enumerate() {
+            for b in here[i + 1..].iter().take_while(|b| b.0 <= a.1) {
+                if pieces[a.2 as usize] != pieces[b.2 as usize] {
+                    pairs.insert((a.2.min(b.2), a.2.max(b.2)));
+                }
+            }
+        }
+    }
+    pairs
+}
+
+/// Edges as they are in space: the two sides of a crease have one name.
+struct Edges<'a> {
+    surface: &'a Surface,
+    twin: BTreeMap<u32, u32>,
+}
+
+impl<'a> Edges<'a> {
+    fn of(surface: &'a Surface) -> Self {
+        let edge = |h: u32| surface.edge[h as usize];
+        let twin = surface.creases.iter().map(|c| (edge(c.right), edge(c.left))).collect();
+        Self { surface, twin }
+    }
+
+    fn of_face(&self, face: u32) -> [u32; 3] {
+        [0, 1, 2].map(|k| {
+            let edge = self.surface.edge[(3 * face + k) as usize];
+            self.twin.get(&edge).copied().unwrap_or(edge)
+        })
+    }
+
+    /// Where the edges of each of two faces go through the other; `known` remembers how far along
+    /// its edge each hole is.
+    fn holes(
+        &self,
+        scenery: &Scenery<'_>,
+        (f, g): (u32, u32),
+        known: &mut BTreeMap<Hole, Option<f64>>,
+    ) -> Vec<Hole> {
+        let of = |from: u32, to: u32| self.of_face(from).map(|e| (e, to));
+        let all = of(f, g).into_iter().chain(of(g, f));
+        all.filter(|hole| known.entry(*hole).or_insert_with(|| through(scenery, *hole)).is_some())
+            .collect()
+    }
+}
+
+/// How far along an edge it goes through a face, if it does.
+fn through(scenery: &Scenery<'_>, (edge, face): Hole) -> Option<f64> {
+    let p = &scenery.posed.positions;
+    let [a, b] = scenery.surface.ends(edge).map(|v| p[v as usize]);
+    let corners = scenery.surface.faces[face as usize].map(|v| p[v as usize]);
+    let normal = scenery.posed.face_normals[face as usize];
+    let (da, db) = ((a - corners[0]).dot(normal), (b - corners[0]).dot(normal));
+    let least = TOUCH * corners[0].distance(corners[1]).max(corners[1].distance(corners[2]));
+    if (da >= -least) == (db >= -least) {
+        return None;
+    }
+    let t = (da / (da - db)).clamp(0.0, 1.0);
+    let at = a.lerp(b, t);
+    let inside = (0..3).all(|i| {
+        let (u, v) = (corners[i], corners[(i + 1) % 3]);
+        (v - u).cross(at - u).dot(normal) >= 0.0
+    });
+    inside.then_some(t)
+}
+
+/// Segments in a row, each with the hole by which it is left.
+struct Chain {
+    first: Hole,
+    steps: Vec<(usize, Hole)>,
+    closed: bool,
+}
+
+fn chained(shared: &[Shared]) -> Vec<Chain> {
+    let mut at: BTreeMap<Hole, Vec<usize>> = BTreeMap::new();
+    for (i, s) in shared.iter().enumerate() {
+        s.ends.iter().for_each(|e| at.entry(*e).or_default().push(i));
+    }
+    let mut done = vec![false; shared.len()];
+    let mut chains = Vec::new();
+    let ends = at.iter().filter(|(_, segments)| segments.len() != 2).map(|(hole, _)| *hole);
+    let starts: Vec<Hole> = ends.chain(shared.iter().map(|s| s.ends[0])).collect();
+    for first in starts {
+        while let Some(&start) = at[&first].iter().find(|s| !done[**s]) {
+            let mut chain = Chain { first, steps: Vec::new(), closed: false };
+            let (mut segment, mut hole) = (start, first);
+            loop {
+                done[segment] = true;
+                let [a, b] = shared[segment].ends;
+                hole = if hole == a { b } else { a };
+                chain.steps.push((segment, hole));
+                match at[&hole][..] {
+                    [x, y] if !done[x] || !done[y] => segment = if done[x] { y } else { x },
+                    _ => break,
+                }
+            }
+            chain.closed = hole == first && chain.steps.len() > 2;
+            chains.push(chain);
+        }
+    }
+    chains
+}
+
+fn path(
+    index: u32,
+    chain: &Chain,
+    shared: &[Shared],
+    holes: &BTreeMap<Hole, Option<f64>>,
+    scenery: &Scenery<'_>,
+    edges: &Edges<'_>,
+) -> Path {
+    let point = |(hole, k): (Hole, usize)| {
+        let [a, b] = edges.surface.ends(hole.0).map(|v| v as usize);
+        let t = holes[&hole].unwrap_or(0.5);
+        let mix = |v: &[DVec3]| v[a].lerp(v[b], t);
+        let world = mix(&scenery.posed.positions);
+        Point { world, next: scenery.next.map(mix), pushed: world, on_chain: k as f64 }
+    };
+    let holes_in_order = std::iter::once(chain.first).chain(chain.steps.iter().map(|s| s.1));
+    let points: Vec<Point> = holes_in_order.zip(0..).map(point).collect();
+    let segment = |(s, _): &(usize, Hole)| {
+        let own = shared[*s].faces;
+        Segment { own, buried: false, outside: false }
+    };
+    let segments: Vec<Segment> = chain.steps.iter().map(segment).collect();
+    let (view, margin) = (scenery.view, scenery.margin);
+    Path::new(Kind::Intersection, index, chain.closed, &points, &segments, view, margin)
+}
+
+/// Numbers the connected pieces of a surface, for each real face.
+pub(crate) fn pieces(surface: &Surface) -> Vec<u32> {
+    let mut piece = vec![NONE; surface.faces.len()];
+    let mut count = 0;
+    let mut open = Vec::new();
+    for first in 0..surface.real_faces {
+        if piece[first] != NONE {
+            continue;
+        }
+        piece[first] = count;
+        open.push(first as u32);
+        while let Some(face) = open.pop() {
+            for half in 3 * face..3 * face + 3 {
+                let mate = surface.mate[half as usize];
+                if mate != NONE && piece[mate as usize / 3] == NONE {
+                    piece[mate as usize / 3] = count;
+                    open.push(mate / 3);
+                }
+            }
+        }
+        count += 1;
+    }
+    piece.truncate(surface.real_faces);
+    piece
+}

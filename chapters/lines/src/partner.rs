@@ -1,0 +1,151 @@
+//! [`Film::partners`]: the correspondence of section 4.6.2, from each sample of a frame to a point of
+//! a segment of the next frame.
+//!
+//! 1. Along S a sample's crossings become crossings of one chain of the next slice: this is the
+//!    region that its line swept, and tells the chain and whereabouts on it.
+//! 2. Of the segments there, the one nearest in the picture to where the sample's material point has
+//!    moved holds the partner: two samples with weights 1 - b and b, as (4.7) wants.
+//!
+//! Edge lines stay on their edges. Other zero sets have no partners: they are not followed on S.
+
+use crate::film::{Film, FilmFrame};
+use crate::path::Kind;
+use crate::slice::Slice;
+use crate::stroke::{Sample, Stroke};
+use crate::surface::NONE;
+use chiaro_basis::math::DVec2;
+use std::collections::HashMap;
+
+/// Crossings beside those that S gives among which the nearest is sought.
+const AROUND: f64 = 6.0;
+
+/// A point of a segment of a stroke of the next frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Partner {
+    /// Index of the stroke in its frame.
+    pub stroke: u32,
+    /// Index of the sample before the point.
+    pub segment: u32,
+    /// b: 0 at that sample, 1 at the next (the first one after the last of a closed stroke).
+    pub share: f64,
+    /// Distance in the picture from where the material point has moved, pixels.
+    pub distance: f64,
+}
+
+impl Film {
+    /// For each stroke of a frame and each of its samples, the partner in the next frame; `None`
+    /// where there is no next frame, where the material point leaves the picture, and where what the
+    /// sample becomes is hidden.
+    pub fn partners(&self, frame: usize) -> Vec<Vec<Option<Partner>>> {
+        let here = &self.frames[frame];
+        let next = self.frames.get(frame + 1).filter(|n| !n.begins);
+        let Some(next) = next else {
+            return here.strokes.iter().map(|s| vec![None; s.samples.len()]).collect();
+        };
+        let targets = Targets::of(next);
+        let of =
+            |s: &Stroke| s.samples.iter().map(|p| partner(here, next, &targets, s, p)).collect();
+        here.strokes.iter().map(of).collect()
+    }
+}
+
+/// The strokes of a frame by kind and chain.
+struct Targets(HashMap<(Kind, u32), Vec<u32>>);
+
+impl Targets {
+    fn of(frame: &FilmFrame) -> Self {
+        let mut map: HashMap<(Kind, u32), Vec<u32>> = HashMap::new();
+        for (i, s) in frame.strokes.iter().enumerate() {
+            map.entry((s.kind, s.chain)).or_default().push(i as u32);
+        }
+        Self(map)
+    }
+}
+
+/// Where on which chain of the next frame to look: a middle, a reach, and the chain's crossings if
+/// it is closed.
+struct Window {
+    chain: u32,
+    middle: f64,
+    reach: f64,
+    around: Option<f64>,
+}
+
+fn partner(
+    here: &FilmFrame,
+    next: &FilmFrame,
+    targets: &Targets,
+    stroke: &Stroke,
+    sample: &Sample,
+) -> Option<Partner> {
+    let at = sample.next_at?;
+    let window = match stroke.kind {
+        Kind::Silhouette => along_s(here, &next.slice, stroke.chain, sample.on_chain)?,
+        kind if kind.is_edge() => {
+            Window { chain: stroke.chain, middle: sample.on_chain, reach: 1.0, around: None }
+        }
+        _ => return None,
+    };
+    let mut best: Option<Partner> = None;
+    for &index in targets.0.get(&(stroke.kind, window.chain))? {
+        let target = &next.strokes[index as usize];
+        for (k, a, b) in segments(target) {
+            if !window.holds(a.on_chain) && !window.holds(b.on_chain) {
+                continue;
+            }
+            let (share, distance) = nearest(at, a.at, b.at);
+            if best.is_none_or(|b| distance < b.distance) {
+                best = Some(Partner { stroke: index, segment: k, share, distance });
+            }
+        }
+    }
+    best
+}
+
+impl Window {
+    fn holds(&self, place: f64) -> bool {
+        let d = (place - self.middle).abs();
+        self.around.map_or(d, |n| d.min((n - d).abs())) <= self.reach
+    }
+}
+
+/// Where the crossings beside a place on a chain are one frame later.
+fn along_s(here: &FilmFrame, next: &Slice, chain: u32, place: f64) -> Option<Window> {
+    let chain = here.slice.chains[chain as usize];
+    let n = chain.count as usize;
+    let k = (place.max(0.0) as usize).min(n - 1);
+    let after = if k + 1 < n || !chain.closed { (k + 1).min(n - 1) } else { 0 };
+    let forward = |k: usize| here.interval.forward.get(chain.start as usize + k).copied();
+    let known = |k: usize| forward(k).filter(|j| *j != NONE);
+    let (a, b) = match (known(k), known(after)) {
+        (Some(a), Some(b)) => (a, b),
+        (Some(a), None) | (None, Some(a)) => (a, a),
+        (None, None) => return None,
+    };
+    let index = next.chains.partition_point(|c| c.start <= a).checked_sub(1)?;
+    let c = &next.chains[index];
+    let local = |j: u32| f64::from(j) - f64::from(c.start);
+    let (a, b) = (local(a), local(b));
+    let around = c.closed.then_some(f64::from(c.count));
+    // The second may be on another chain, or across the first point of this one.
+    let gap = if b >= 0.0 && b < f64::from(c.count) { (b - a).abs() } else { 0.0 };
+    let wraps = around.is_some_and(|n| gap > 0.5 * n);
+    let (middle, gap) = if wraps { (a, 1.0) } else { (a + 0.5 * (b - a), gap) };
+    let middle = if b >= 0.0 && b < f64::from(c.count) { middle } else { a };
+    Some(Window { chain: index as u32, middle, reach: 0.5 * gap + AROUND, around })
+}
+
+/// The segments of a stroke: index of the first sample, and both.
+fn segments(stroke: &Stroke) -> impl Iterator<Item = (u32, &Sample, &Sample)> {
+    let s = &stroke.samples;
+    let around = stroke.closed.then(|| (s.len() as u32 - 1, &s[s.len() - 1], &s[0]));
+    s.windows(2).zip(0..).map(|(p, k)| (k, &p[0], &p[1])).chain(around)
+}
+
+/// The nearest point of a segment, as a share of it, and its distance.
+fn nearest(p: DVec2, a: DVec2, b: DVec2) -> (f64, f64) {
+    let d = b - a;
+    let t = ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0);
+    let t = if t.is_finite() { t } else { 0.0 };
+    (t, p.distance(a + d * t))
+}

@@ -1,0 +1,88 @@
+//! Lines where pieces pass through each other, and partners of samples in the next frame.
+
+mod meshes;
+
+use chiaro_basis::Run;
+use chiaro_basis::math::{Vec3, vec3};
+use chiaro_lines::{Film, FilmFrame, Kind, LinesKnobs, Reel, View};
+use chiaro_scene::{Pose, Projection, Scene};
+use meshes::*;
+
+fn film(
+    scene: &Scene,
+    count: usize,
+    at: &(dyn Fn(usize) -> (chiaro_scene::Frame, View) + Sync),
+) -> Film {
+    let reel = Reel { scene, count, at };
+    Film::of(&reel, &LinesKnobs::default(), &Run::default()).expect("nothing stops it")
+}
+
+fn from_above(scene: &Scene) -> FilmFrame {
+    let still = frame(scene);
+    let projection = Projection::Perspective { fov_y: 0.8 };
+    let pose = Pose::look_at(vec3(2.0, 5.0, 3.0), Vec3::ZERO, Vec3::Y, projection);
+    let film = film(scene, 1, &|_| (still.clone(), View::new(pose, (640, 480))));
+    film.frames.into_iter().next().expect("there is a frame")
+}
+
+#[test]
+fn a_ring_through_a_sheet_shows_where_it_enters() {
+    let (mut positions, mut triangles) = torus(60, 30, 0.0);
+    let base = positions.len() as u32;
+    let (sheet, faces) = sheet(2, 0.0);
+    positions.extend(sheet.iter().map(|p| *p * 3.0));
+    triangles.extend(faces.iter().map(|f| f.map(|v| v + base)));
+    let frame = from_above(&scene(positions, triangles, false));
+    let lines: Vec<_> = frame.strokes.iter().filter(|s| s.kind == Kind::Intersection).collect();
+    // The torus lies in the sheet: circles of radius 0.6 and 1.4, seen from above but for what the
+    // ring itself hides of them.
+    assert!(lines.len() >= 2, "{}", lines.len());
+    for s in lines.iter().flat_map(|s| &s.samples) {
+        let r = s.world.x.hypot(s.world.z);
+        assert!(s.world.y.abs() < 1e-6, "{}", s.world);
+        assert!((r - 0.6).abs().min((r - 1.4).abs()) < 4e-3, "{r}");
+    }
+    // Nothing below the sheet is seen.
+    let low = frame.strokes.iter().flat_map(|s| &s.samples).filter(|s| s.world.y < -0.02);
+    assert_eq!(low.count(), 0);
+}
+
+#[test]
+fn what_only_touches_has_no_line() {
+    let (mut positions, mut triangles) = cube();
+    positions.iter_mut().for_each(|p| *p = *p * 0.5 + vec3(0.0, 0.5, 0.0));
+    let (sheet, faces) = sheet(3, 0.0);
+    let base = positions.len() as u32;
+    positions.extend(sheet.iter().map(|p| *p * 2.0));
+    triangles.extend(faces.iter().map(|f| f.map(|v| v + base)));
+    let frame = from_above(&scene(positions, triangles, true));
+    assert!(frame.strokes.iter().all(|s| s.kind != Kind::Intersection));
+}
+
+#[test]
+fn partners_are_near_the_material_points_and_keep_ids() {
+    let (p, t) = torus(80, 40, 0.1);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let view = view(vec3(1.0, 3.0, 4.5));
+    let film = film(&scene, 5, &|i| (turned(&still, Vec3::Y, 1.5 * i as f32), view));
+    let (mut all, mut found, mut same) = (0, 0, 0);
+    for (i, pair) in film.frames.windows(2).enumerate() {
+        for (stroke, partners) in pair[0].strokes.iter().zip(film.partners(i)) {
+            assert_eq!(stroke.samples.len(), partners.len());
+            for partner in partners {
+                all += 1;
+                let Some(p) = partner else { continue };
+                found += 1;
+                let target = &pair[1].strokes[p.stroke as usize];
+                assert!((p.segment as usize) < target.samples.len());
+                assert!((0.0..=1.0).contains(&p.share));
+                same += usize::from(target.id == stroke.id && p.distance < 3.0);
+            }
+        }
+    }
+    assert!(found * 100 > 95 * all, "{found} of {all}");
+    assert!(same * 100 > 97 * found, "{same} of {found}");
+    let last = film.partners(film.frames.len() - 1);
+    assert!(last.iter().flatten().all(Option::is_none));
+}
