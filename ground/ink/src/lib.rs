@@ -11,6 +11,7 @@
 //! millimetres, and a [`Placement`] leads from one to the other.
 
 mod border;
+pub mod brush;
 mod crack;
 mod drawing;
 mod fit;

@@ -1,0 +1,225 @@
+//! A brush and a spine to ribbons: lines, double lines, dashes, dots, thorns, hairs.
+//!
+//! Marks are placed by u: the k-th is at k spacings, moved and sized by the hash of k, so that it
+//! travels with the line. Near the ends of a stroke they are smaller, so that none pops.
+
+use super::knob::{Brush, Cap, Mark, Side};
+use super::ribbon::{Rib, Ribbon};
+use super::spine::{Knot, Spine};
+use super::width::Hand;
+use chiaro_basis::math::Vec2;
+
+/// Hairs and thorns have this many points after their root.
+const JOINTS: usize = 6;
+/// Marks on one stroke, at most.
+const MOST: i64 = 20_000;
+
+/// The ribbons that a brush leaves along a stroke.
+pub fn ribbons(brush: &Brush, spine: &Spine) -> Vec<Ribbon> {
+    let fine = spine.clone().smoothed(brush.smooth).refined();
+    if fine.knots.len() < 2 || brush.mark == Mark::Nothing {
+        return Vec::new();
+    }
+    let passes = (0..u64::from(brush.repeat.max(1))).map(|pass| {
+        let over = brush.overshoot * (1.0 - 0.3 * fine.axis.share(pass as i64, 7));
+        fine.clone().overshot(over).wobbled(brush.wobble, f64::from(brush.wobble_length), pass)
+    });
+    passes.flat_map(|spine| Placing { brush, hand: Hand::new(brush, &spine), spine: &spine }.marks()).collect()
+}
+
+/// The line by which a stroke hides others, whatever its marks.
+pub(super) fn band(brush: &Brush, spine: &Spine) -> Ribbon {
+    let fine = spine.clone().smoothed(brush.smooth).refined();
+    if fine.knots.len() < 2 {
+        return Ribbon::default();
+    }
+    let apart = if brush.mark == Mark::Double { 0.5 * brush.gap } else { 0.0 };
+    let placing = Placing { brush, hand: Hand::new(brush, &fine), spine: &fine };
+    Ribbon { round: false, ..placing.line(|h| h + apart) }
+}
+
+/// A brush on its way along a spine.
+struct Placing<'a> {
+    brush: &'a Brush,
+    spine: &'a Spine,
+    hand: Hand<'a>,
+}
+
+/// A place for a mark.
+struct Spot {
+    /// By which its hash goes.
+    index: i64,
+    knot: Knot,
+    tangent: Vec2,
+    /// In [0, 1]: smaller towards the stroke's ends.
+    scale: f32,
+}
+
+impl Placing<'_> {
+    fn marks(&self) -> Vec<Ribbon> {
+        match self.brush.mark {
+            Mark::Line => vec![self.line(|h| h)],
+            Mark::Double => self.double(),
+            Mark::Dashes => self.dashes(),
+            Mark::Dots => self.spots().iter().map(|s| self.dot(s)).collect(),
+            Mark::Thorns => {
+                let thorns = self.spots().into_iter().map(|s| self.thorn(&s));
+                std::iter::once(self.line(|h| h)).chain(thorns).collect()
+            }
+            Mark::Fur => self.spots().iter().map(|s| self.hair(s)).collect(),
+            Mark::Nothing => Vec::new(),
+        }
+    }
+
+    /// The whole spine, its half widths passed through `half`.
+    fn line(&self, half: impl Fn(f32) -> f32) -> Ribbon {
+        let rib = |(i, k): (usize, &Knot)| Rib::on(*k, half(self.hand.half(i)));
+        self.ribbon(self.spine.knots.iter().enumerate().map(rib).collect(), self.spine.closed)
+    }
+
+    fn ribbon(&self, ribs: Vec<Rib>, closed: bool) -> Ribbon {
+        let round = self.brush.cap == Cap::Round;
+        Ribbon { ribs, closed, round, erases: false, axis: self.spine.axis }
+    }
+
+    /// The outer ribbon, and the inner one that is taken away from it.
+    fn double(&self) -> Vec<Ribbon> {
+        let line = 0.5 * self.brush.width.max(1e-6);
+        let apart = 0.5 * self.brush.gap;
+        let outer = self.line(|h| h + apart * (h / line).sqrt());
+        let inner = self.line(|h| (apart * (h / line).sqrt() - h).max(0.0));
+        vec![outer, Ribbon { erases: true, ..inner }]
+    }
+
+    fn dashes(&self) -> Vec<Ribbon> {
+        let long = self.unrolled();
+        let b = self.brush;
+        let lattice = self.spine.axis.lattice(f64::from(b.spacing));
+        let [start, end] = long.ends();
+        let piece = |k: i64| {
+            let index = lattice.index(k);
+            let uneven = |channel| f64::from(b.jitter * self.spine.axis.at(index, channel));
+            let full = f64::from(b.dash) * lattice.cell;
+            let length = full * (1.0 + 0.5 * uneven(21));
+            let from = k as f64 * lattice.cell + 0.25 * uneven(22) * (lattice.cell - full);
+            let (from, to) = (from.max(start), (from + length).min(end));
+            let piece = (to > from).then(|| long.piece(from, to)).flatten()?;
+            Some(self.dash(&piece))
+        };
+        self.indices(lattice.cell, 1).filter_map(piece).collect()
+    }
+
+    /// One dash with the pressure of the stroke and tapers of its own.
+    fn dash(&self, piece: &Spine) -> Ribbon {
+        let own = Hand::new(self.brush, piece);
+        let ribs = piece.knots.iter().enumerate().map(|(i, k)| Rib::on(*k, own.half(i)));
+        self.ribbon(ribs.collect(), false)
+    }
+
+    /// A closed spine with as much of its beginning after its end as a mark may need.
+    fn unrolled(&self) -> Spine {
+        let mut long = self.spine.clone();
+        if let (true, Some(period)) = (long.closed, long.axis.period) {
+            let until = long.ends()[0] + 2.0 * f64::from(self.brush.spacing).min(0.5 * period);
+            let again = self.spine.knots.iter().skip(1).take_while(|k| k.u <= until);
+            long.knots.extend(again.map(|k| Knot { u: k.u + period, ..*k }));
+            long.closed = false;
+        }
+        long
+    }
+
+    /// Lattice points on the spine, and `before` it.
+    fn indices(&self, cell: f64, before: i64) -> std::ops::Range<i64> {
+        let [start, end] = self.spine.ends();
+        let first = (start / cell).ceil() as i64;
+        let last = (end / cell).ceil() as i64;
+        let before = if self.spine.closed { 0 } else { before };
+        first - before..last.min(first + MOST)
+    }
+
+    fn spots(&self) -> Vec<Spot> {
+        let lattice = self.spine.axis.lattice(f64::from(self.brush.spacing));
+        let lengths = &self.spine.lengths();
+        let spot = |k: i64| {
+            let index = lattice.index(k);
+            let aside = 0.45 * self.brush.jitter * self.spine.axis.at(index, 31);
+            let u = (k as f64 + f64::from(aside)) * lattice.cell;
+            let [start, end] = self.spine.ends();
+            let u = match self.spine.axis.period.filter(|_| self.spine.closed) {
+                Some(period) => start + (u - start).rem_euclid(period),
+                None => Some(u).filter(|u| (start..=end).contains(u))?,
+            };
+            let (knot, tangent) = self.spine.at(u)?;
+            let length = along(self.spine, lengths, u);
+            let full = self.hand.half_at(u, length, tangent) / (0.5 * self.brush.width).max(1e-6);
+            let end = length.min(self.hand.total() - length);
+            let near = if self.spine.closed { 1.0 } else { (end / (0.6 * self.brush.spacing)).min(1.0) };
+            Some(Spot { index, knot, tangent, scale: full * near * (2.0 - near) })
+        };
+        self.indices(lattice.cell, 0).filter_map(spot).collect()
+    }
+
+    /// A share in [0, 1] for a mark, near 1 where marks are even.
+    fn uneven(&self, spot: &Spot, channel: u64) -> f32 {
+        1.0 - self.brush.jitter * self.spine.axis.share(spot.index, channel)
+    }
+
+    fn dot(&self, spot: &Spot) -> Ribbon {
+        let half = 0.5 * self.brush.size * spot.scale * self.uneven(spot, 41);
+        Ribbon { round: true, ..self.ribbon(vec![Rib::on(spot.knot, half)], false) }
+    }
+
+    /// The direction in which a mark stands off the line.
+    fn away(&self, spot: &Spot) -> Vec2 {
+        let right = match self.brush.side {
+            Side::Outside => true,
+            Side::Inside => false,
+            Side::Both => self.spine.axis.share(spot.index, 51) < 0.5,
+        };
+        if right { spot.tangent.perp() } else { -spot.tangent.perp() }
+    }
+
+    /// A spike, wide at its root, bent over as it leans.
+    fn thorn(&self, spot: &Spot) -> Ribbon {
+        let b = self.brush;
+        let length = b.size * spot.scale * self.uneven(spot, 61);
+        let lean = b.lean + 0.5 * b.jitter * self.spine.axis.at(spot.index, 62);
+        let root = 0.5 * b.base * length;
+        self.spike(spot, (length, lean, 2.0), |t| root * (1.0 - t) * (1.0 - 0.35 * t))
+    }
+
+    /// A thin hair, bent over more the longer it is.
+    fn hair(&self, spot: &Spot) -> Ribbon {
+        let b = self.brush;
+        let length = b.size * spot.scale * self.uneven(spot, 71);
+        let lean = b.lean + b.jitter * self.spine.axis.at(spot.index, 72);
+        let half = 0.5 * b.width * spot.scale.min(1.0);
+        self.spike(spot, (length, lean, 1.6), |t| half * (1.0 - t * t))
+    }
+
+    /// A bent spike off the line: its length, its lean, how late it leans, and its half width.
+    fn spike(
+        &self,
+        spot: &Spot,
+        (length, lean, late): (f32, f32, f32),
+        half: impl Fn(f32) -> f32,
+    ) -> Ribbon {
+        let away = self.away(spot);
+        let root = spot.knot.at - away * (0.3 * self.brush.width).min(0.2 * length);
+        let rib = |i: usize| {
+            let t = i as f32 / JOINTS as f32;
+            let at = root + length * (t * away + lean * t.powf(late) * spot.tangent);
+            Rib { at, ..Rib::on(spot.knot, half(t)) }
+        };
+        Ribbon { round: false, ..self.ribbon((0..=JOINTS).map(rib).collect(), false) }
+    }
+}
+
+/// The length up to where u has a value.
+fn along(spine: &Spine, lengths: &[f32], u: f64) -> f32 {
+    let k = &spine.knots;
+    let i = k.partition_point(|k| k.u <= u).clamp(1, k.len() - 1);
+    let (a, b) = (k[i - 1].u, k[i].u);
+    let t = if b > a { ((u - a) / (b - a)).clamp(0.0, 1.0) as f32 } else { 0.0 };
+    lengths[i - 1] + (lengths[i] - lengths[i - 1]) * t
+}

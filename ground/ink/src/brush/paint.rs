@@ -1,0 +1,261 @@
+//! Strokes to pixels: in tiles, each stroke's coverage first, then its ink over what is there.
+//!
+//! 1. Every stroke becomes ribbons, every ribbon mitred pieces; pieces are sorted into tiles.
+//! 2. In a tile the bands of lines that hide others are laid down: rims of paper, and haloes as the
+//!    depth of the nearest band.
+//! 3. Stroke after stroke, the greatest coverage of its pieces counts, so that no joint, bend or
+//!    crossing of a stroke with itself is darker; what lies behind a halo is left out.
+//!
+//! A pixel depends on the strokes and their order alone, not on threads.
+
+use super::grain::{Inking, Place};
+use super::knob::Brush;
+use super::marks::{band, ribbons};
+use super::noise::Axis;
+use super::spine::Spine;
+use super::strip::{Hit, Piece, pieces};
+use super::texture::Texture;
+use crate::Colour;
+use chiaro_basis::math::Vec2;
+use chiaro_image::Plane;
+use rayon::prelude::*;
+
+/// Pixels on a tile's side.
+const TILE: usize = 64;
+/// A line is behind a halo if it is deeper by this, in pixels; by twice that it is gone.
+const BEHIND: f32 = 6.0;
+
+/// A stroke with its brush.
+#[derive(Clone, Copy, Debug)]
+pub struct Stroke<'a> {
+    /// Its middle.
+    pub spine: &'a Spine,
+    /// What draws it.
+    pub brush: &'a Brush,
+    /// The picture of the brush, if it has one.
+    pub texture: Option<&'a Texture>,
+    /// Its colour, sRGB-encoded.
+    pub colour: Colour,
+    /// Whether it hides what is behind it, and so may have halo and rim.
+    pub hides: bool,
+    /// Whether what it hides is on its right alone.
+    pub right: bool,
+}
+
+/// Strokes over a picture, both sRGB-encoded with opacity apart; rims have the colour of `paper`.
+pub fn paint(strokes: &[Stroke<'_>], beneath: &Plane<[f32; 4]>, paper: Colour) -> Plane<[f32; 4]> {
+    let (w, h) = beneath.size();
+    let ready: Vec<Ready<'_>> = strokes.par_iter().map(Ready::of).collect();
+    let across = w.div_ceil(TILE);
+    let tiles = sorted(&ready, (w, h));
+    let done: Vec<Vec<[f32; 4]>> = tiles
+        .par_iter()
+        .enumerate()
+        .map(|(i, found)| {
+            let corner = (TILE * (i % across), TILE * (i / across));
+            Tile::new(corner, beneath).painted(&ready, found, paper)
+        })
+        .collect();
+    Plane::from_fn(w, h, |x, y| {
+        done[y / TILE * across + x / TILE][y % TILE * TILE + x % TILE]
+    })
+}
+
+/// A stroke, cut up.
+struct Ready<'a> {
+    stroke: &'a Stroke<'a>,
+    strips: Vec<Strip>,
+    /// What hides others: its pieces, and how far over the line its halo and its rim reach.
+    band: Option<(Vec<Piece>, [f32; 2])>,
+}
+
+struct Strip {
+    pieces: Vec<Piece>,
+    erases: bool,
+    axis: Axis,
+    length: f32,
+}
+
+impl<'a> Ready<'a> {
+    fn of(stroke: &'a Stroke<'a>) -> Self {
+        let strip = |r: &super::ribbon::Ribbon| {
+            let length = r.ribs.windows(2).map(|w| w[0].at.distance(w[1].at)).sum();
+            Strip { pieces: pieces(r), erases: r.erases, axis: r.axis, length }
+        };
+        let strips = ribbons(stroke.brush, stroke.spine).iter().map(strip).collect();
+        let reach = [stroke.brush.halo, stroke.brush.rim];
+        let wanted = stroke.hides && reach.iter().any(|r| *r > 0.0);
+        let band = wanted.then(|| (pieces(&band(stroke.brush, stroke.spine)), reach));
+        Self { stroke, strips, band }
+    }
+}
+
+/// Pieces that touch a tile: stroke, strip, piece.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    ink: Vec<[u32; 3]>,
+    bands: Vec<[u32; 2]>,
+}
+
+/// The pieces of every tile, in the order of the strokes.
+fn sorted(ready: &[Ready<'_>], (w, h): (usize, usize)) -> Vec<Found> {
+    let (columns, rows) = (w.div_ceil(TILE), h.div_ceil(TILE));
+    let mut tiles = vec![Found::default(); columns * rows];
+    let touched = |[low, high]: [Vec2; 2]| {
+        let span = |low: f32, high: f32, count: usize| {
+            let tile = |v: f32| (v / TILE as f32).floor().clamp(-1.0, count as f32) as isize;
+            tile(low).max(0) as usize..(tile(high) + 1).clamp(0, count as isize) as usize
+        };
+        let (xs, ys) = (span(low.x, high.x, columns), span(low.y, high.y, rows));
+        ys.flat_map(move |y| xs.clone().map(move |x| y * columns + x))
+    };
+    for (s, stroke) in ready.iter().enumerate() {
+        for (r, strip) in stroke.strips.iter().enumerate() {
+            for (p, piece) in strip.pieces.iter().enumerate() {
+                touched(piece.bounds(0.0))
+                    .for_each(|t| tiles[t].ink.push([s as u32, r as u32, p as u32]));
+            }
+        }
+        if let Some((pieces, reach)) = &stroke.band {
+            for (p, piece) in pieces.iter().enumerate() {
+                touched(piece.bounds(reach[0].max(reach[1])))
+                    .for_each(|t| tiles[t].bands.push([s as u32, p as u32]));
+            }
+        }
+    }
+    tiles
+}
+
+/// A square of the picture under work.
+struct Tile {
+    corner: (usize, usize),
+    pixels: Vec<[f32; 4]>,
+    cover: Vec<f32>,
+    depth: Vec<f32>,
+    /// Depth and coverage of the nearest band.
+    front: Vec<[f32; 2]>,
+}
+
+impl Tile {
+    fn new(corner: (usize, usize), beneath: &Plane<[f32; 4]>) -> Self {
+        let pixel = |i: usize| {
+            let (x, y) = (corner.0 + i % TILE, corner.1 + i / TILE);
+            beneath.at(x as isize, y as isize).copied().unwrap_or_default()
+        };
+        Self {
+            corner,
+            pixels: (0..TILE * TILE).map(pixel).collect(),
+            cover: vec![0.0; TILE * TILE],
+            depth: vec![0.0; TILE * TILE],
+            front: Vec::new(),
+        }
+    }
+
+    fn painted(mut self, ready: &[Ready<'_>], found: &Found, paper: Colour) -> Vec<[f32; 4]> {
+        self.lay_bands(ready, &found.bands, paper);
+        for pieces in found.ink.chunk_by(|a, b| a[0] == b[0]) {
+            let stroke = &ready[pieces[0][0] as usize];
+            self.cover.fill(0.0);
+            for &[_, strip, piece] in pieces {
+                let strip = &stroke.strips[strip as usize];
+                self.cover_by(stroke.stroke, strip, &strip.pieces[piece as usize]);
+            }
+            self.ink(stroke.stroke);
+        }
+        self.pixels
+    }
+
+    /// The pixels of the tile between two corners: place in the tile, and middle in the picture.
+    fn within(&self, [low, high]: [Vec2; 2]) -> impl Iterator<Item = (usize, Vec2)> + use<> {
+        let span = |low: f32, high: f32, corner: usize| {
+            let clamp = |v: f32| (v - corner as f32).clamp(0.0, TILE as f32) as usize;
+            clamp(low.floor())..clamp(high.ceil())
+        };
+        let (xs, ys) = (span(low.x, high.x, self.corner.0), span(low.y, high.y, self.corner.1));
+        let middle = Vec2::new(self.corner.0 as f32 + 0.5, self.corner.1 as f32 + 0.5);
+        ys.flat_map(move |y| {
+            let place = move |x| (y * TILE + x, middle + Vec2::new(x as f32, y as f32));
+            xs.clone().map(place)
+        })
+    }
+
+    /// Lays haloes and rims.
+    fn lay_bands(&mut self, ready: &[Ready<'_>], bands: &[[u32; 2]], paper: Colour) {
+        if bands.is_empty() {
+            return;
+        }
+        self.front = vec![[f32::INFINITY, 0.0]; TILE * TILE];
+        for &[s, p] in bands {
+            let stroke = &ready[s as usize];
+            let Some((pieces, [halo, rim])) = &stroke.band else { continue };
+            let piece = &pieces[p as usize];
+            let reach = halo.max(*rim);
+            for (i, at) in self.within(piece.bounds(reach)) {
+                let Some(hit) = piece.hit(at, reach) else { continue };
+                let side = if stroke.stroke.right { (hit.across + 0.5).clamp(0.0, 1.0) } else { 1.0 };
+                let covers = |more: f32| if more > 0.0 { side * hit.cover(more) } else { 0.0 };
+                let gap = covers(*halo);
+                let [depth, cover] = &mut self.front[i];
+                if gap > *cover || (gap > 0.0 && gap == *cover && hit.depth < *depth) {
+                    (*depth, *cover) = (hit.depth, gap);
+                }
+                self.cover[i] = self.cover[i].max(covers(*rim));
+            }
+        }
+        for i in 0..self.pixels.len() {
+            over(&mut self.pixels[i], paper, self.cover[i]);
+        }
+    }
+
+    fn cover_by(&mut self, stroke: &Stroke<'_>, strip: &Strip, piece: &Piece) {
+        let inking = Inking { brush: stroke.brush, texture: stroke.texture };
+        let (even, torn) = (inking.is_even(), stroke.brush.rough > 0.0);
+        for (i, at) in self.within(piece.bounds(0.0)) {
+            let Some(hit) = piece.hit(at, 0.0) else { continue };
+            if strip.erases {
+                self.cover[i] = self.cover[i].min(1.0 - hit.cover(0.0));
+                continue;
+            }
+            let tear = if torn { inking.tear(&strip.axis, hit.u, hit.across > 0.0) } else { 0.0 };
+            let mut cover = hit.cover(tear.max(-0.8 * hit.half));
+            if cover > self.cover[i] && !even {
+                cover *= inking.ink(&strip.axis, &place(&hit, strip.length));
+            }
+            if cover > self.cover[i] {
+                (self.cover[i], self.depth[i]) = (cover, hit.depth);
+            }
+        }
+    }
+
+    /// Puts the ink where the stroke covers and no halo is before it.
+    fn ink(&mut self, stroke: &Stroke<'_>) {
+        for i in 0..self.pixels.len() {
+            let mut cover = self.cover[i];
+            if cover <= 0.0 {
+                continue;
+            }
+            if let Some(&[front, gap]) = self.front.get(i) {
+                let t = ((self.depth[i] - front) / BEHIND - 1.0).clamp(0.0, 1.0);
+                cover *= 1.0 - gap * t * t * (3.0 - 2.0 * t);
+            }
+            over(&mut self.pixels[i], stroke.colour, cover * stroke.brush.opacity);
+        }
+    }
+}
+
+fn place(hit: &Hit, length: f32) -> Place {
+    Place { u: hit.u, length: [hit.along, length], across: hit.across, half: hit.half }
+}
+
+/// A share of a colour over a pixel, mixed as displayed.
+fn over(pixel: &mut [f32; 4], colour: Colour, share: f32) {
+    let a = share * colour[3];
+    if a <= 0.0 {
+        return;
+    }
+    let alpha = a + pixel[3] * (1.0 - a);
+    for c in 0..3 {
+        pixel[c] = (colour[c] * a + pixel[c] * pixel[3] * (1.0 - a)) / alpha;
+    }
+    pixel[3] = alpha;
+}
