@@ -5,6 +5,7 @@ use chiaro::given::Maps;
 use chiaro::number::{parse_frames, parse_numbers, parse_size};
 use chiaro::painting::Painting;
 use chiaro::project::{Options, parse_point};
+use chiaro::style::Style;
 use chiaro::vector::{Print, Sheet, length};
 use chiaro_basis::{Error, Result};
 use chiaro_image::colour::parse_colour;
@@ -259,20 +260,25 @@ pub(crate) struct InkArgs {
 /// Ink and background.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ColourArgs {
-    /// Colour where there is nothing, or none.
-    #[arg(long, value_name = "COLOUR", default_value = "white")]
-    background: String,
-    /// Colour of the ink.
-    #[arg(long, value_name = "COLOUR", default_value = "black")]
-    ink: String,
+    /// Colour where there is nothing, or none [default: the style's, else white].
+    #[arg(long, value_name = "COLOUR")]
+    background: Option<String>,
+    /// Colour of the ink [default: the style's, else black].
+    #[arg(long, value_name = "COLOUR")]
+    ink: Option<String>,
 }
 
 impl ColourArgs {
-    /// What the arguments mean.
-    pub(crate) fn colours(&self) -> Result<Colours> {
-        let ink = colour("--ink", &self.ink)?;
-        let background = colour("--background", &self.background)?;
-        Ok(Colours { ink, background, ..Colours::default() })
+    /// The colours of a style, with what the arguments change.
+    pub(crate) fn colours(&self, style: &Style) -> Result<Colours> {
+        let mut colours = style.colours();
+        if let Some(ink) = &self.ink {
+            colours.ink = colour("--ink", ink)?;
+        }
+        if let Some(background) = &self.background {
+            colours.background = colour("--background", background)?;
+        }
+        Ok(colours)
     }
 }
 
@@ -287,13 +293,21 @@ pub(crate) fn colour(option: &str, text: &str) -> Result<[f32; 4]> {
 /// How lines are drawn.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct MarksArgs {
-    /// What becomes of hidden lines: drop or dashed.
+    /// A named style of lines, or a TOML file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "pen")]
+    pub(crate) style: String,
+    /// What lines are drawn over: nothing, binary, a picture, or a pattern such as frames/####.png
+    /// [default: as the style has it].
+    #[arg(long, value_name = "WHAT")]
+    pub(crate) over: Option<String>,
+    /// What becomes of hidden lines: drop, dashed, or style (as the style's [stroke.hidden] says).
     #[arg(long, value_name = "HOW")]
     pub(crate) hidden: Option<String>,
     /// Measure errors of visibility against a surface sixteen times finer; takes a while.
     #[arg(long, value_name = "fine")]
     pub(crate) check: Option<String>,
-    /// Set a knob, as in width=3; the manual of the library chiaro-lines lists them all.
+    /// Set a knob, as in width=3, or of one line type alone, as in crease.width=1; `chiaro style
+    /// show pen` lists them all.
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub(crate) sets: Vec<String>,
     #[command(flatten)]

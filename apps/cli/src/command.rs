@@ -9,7 +9,6 @@ use chiaro::record::Record;
 use chiaro::style::{self, Style};
 use chiaro::{compare, compare_films, demo, figures, gbuffer, info, light, lines, mincut};
 use chiaro_basis::{Error, Knobs, Result, Run};
-use chiaro_lines::LinesKnobs;
 use clap::CommandFactory;
 use std::io::Write;
 
@@ -35,7 +34,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let look = Look {
                 style: &style,
                 knobs: &knobs,
-                colours: ink.colours.colours()?,
+                colours: ink.colours.colours(&style)?,
                 print: print.print()?,
                 painting: maps.painting()?,
             };
@@ -56,23 +55,26 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
         }
         Command::Lines { scene, output, marks, print, common } => {
             let options = scene.options()?;
-            let mut knobs = LinesKnobs::default();
-            marks.sets.iter().try_for_each(|text| style::set(&mut knobs, text))?;
+            let style = Style::of_lines(&marks.style)?;
+            let mut look = lines::Look::of(&style)?;
+            marks.sets.iter().try_for_each(|text| look.set(text))?;
             if let Some(hidden) = &marks.hidden {
-                knobs.set("hidden", hidden)?;
+                look.lines.knobs.set("hidden", hidden)?;
             }
-            let (colours, print) = (marks.colours.colours()?, print.print()?);
+            if let Some(over) = &marks.over {
+                look.over = lines::Over::parse(over)?;
+            }
+            look.colours = marks.colours.colours(&style)?;
+            look.print = print.print()?;
             let target = lines::target(output, options.frames.as_ref().map_or(1, Vec::len))?;
             let project = Project::open(&scene.scene, options, run)?;
-            let (project, knobs) = (&project, &knobs);
             let check = match marks.check.as_deref() {
                 None => false,
                 Some("fine") => true,
                 Some(other) => return Err(Error::setting("--check", other, "fine")),
             };
             let measure = common.json.is_some();
-            let job = lines::Job { project, knobs, colours, print, target, measure, check };
-            job.run(run).map(Some)
+            lines::Job { project: &project, look, target, measure, check }.run(run).map(Some)
         }
         Command::Compare { a, b, motion, .. } => {
             match (motion, [a, b].into_iter().find(|p| compare_films::is_film(p))) {
@@ -123,7 +125,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
 }
 
 fn knobs(ink: &InkArgs) -> Result<(Style, chiaro_binary::BinaryKnobs)> {
-    let style = Style::find(&ink.style)?;
+    let style = Style::of_regions(&ink.style)?;
     let mut knobs = style.binary.clone();
     for text in &ink.sets {
         style::set(&mut knobs, text)?;
@@ -169,7 +171,12 @@ impl LightSettings {
 fn list_styles(output: &Option<std::path::PathBuf>, run: &Run) -> Result<Option<Record>> {
     let mut text = String::new();
     for style in Style::all()? {
-        text += &format!("{:<13} {}\n", style.name, style.description);
+        let parts = match (style.has_regions(), style.has_lines()) {
+            (true, true) => "both",
+            (true, false) => "binary",
+            _ => "lines",
+        };
+        text += &format!("{:<13} {parts:<7} {}\n", style.name, style.description);
     }
     print(text.as_bytes())?;
     match output {

@@ -8,12 +8,13 @@ use crate::path::{Kind, Path};
 use crate::posed::Posed;
 use crate::sight::Sight;
 use crate::slice::Slice;
-use crate::stroke::Stroke;
+use crate::stroke::{Owner, Stroke};
 use crate::surface::Surface;
 use crate::view::View;
 use crate::visibility::{Limits, Run, Visible, hidden, visible};
 use crate::zeroset::zero_sets;
 use chiaro_basis::math::DVec3;
+use std::collections::BTreeMap;
 
 /// What the frames of a shot share.
 pub struct Stage<'a> {
@@ -67,7 +68,7 @@ impl Lines {
             next: moment.next.map(|n| n.0),
             view,
             passes: knobs.smooth_normals,
-            margin: f64::from(knobs.width),
+            margin: f64::from(knobs.margin),
         };
         let g = moment.posed.facing(view);
         let slice = Slice::of(surface, &g);
@@ -86,8 +87,8 @@ impl Lines {
         paths.retain(|p| p.total() > 0.0);
         let limits = Limits { gap: f64::from(knobs.bridge), run: f64::from(knobs.shortest) };
         let visible = visible(&paths, &sight, view, &limits);
-        let (strokes, runs) = strokes(&paths, &visible, knobs, moment);
-        let hidden = hidden_strokes(&paths, &visible, knobs, moment);
+        let (strokes, runs) = strokes(&paths, &visible, stage, moment);
+        let hidden = hidden_strokes(&paths, &visible, stage, moment);
         Self { g, slice, further, paths, visible, strokes, hidden, runs }
     }
 }
@@ -96,15 +97,19 @@ impl Lines {
 fn strokes(
     paths: &[Path],
     visible: &Visible,
-    knobs: &LinesKnobs,
+    stage: &Stage<'_>,
     moment: &Moment<'_>,
 ) -> (Vec<Stroke>, Vec<(usize, Run)>) {
     let next_view = moment.next.map(|n| n.1);
+    let knobs = stage.knobs;
     let step = f64::from(knobs.step);
     let drawn = paths.iter().enumerate().filter(|(_, p)| is_drawn(p.kind, knobs));
     drawn
         .flat_map(|(i, path)| visible.runs[i].iter().map(move |&run| (i, path, run)))
-        .map(|(i, path, run)| (Stroke::of(path, run, step, moment.view, next_view), (i, run)))
+        .map(|(i, path, run)| {
+            let stroke = Stroke::of(path, run, step, moment.view, next_view);
+            (Stroke { owner: owner(path, run, stage.surface), ..stroke }, (i, run))
+        })
         .filter(|(stroke, _)| stroke.samples.len() > 1)
         .unzip()
 }
@@ -113,9 +118,10 @@ fn strokes(
 fn hidden_strokes(
     paths: &[Path],
     visible: &Visible,
-    knobs: &LinesKnobs,
+    stage: &Stage<'_>,
     moment: &Moment<'_>,
 ) -> Vec<Stroke> {
+    let knobs = stage.knobs;
     if knobs.hidden == Hidden::Drop {
         return Vec::new();
     }
@@ -128,10 +134,26 @@ fn hidden_strokes(
         })
         .map(|(path, run)| Stroke {
             visible: false,
+            owner: owner(path, run, stage.surface),
             ..Stroke::of(path, run, step, moment.view, next_view)
         })
         .filter(|stroke| stroke.samples.len() > 1)
         .collect()
+}
+
+/// What most segments of a run belong to.
+fn owner(path: &Path, run: Run, surface: &Surface) -> Option<Owner> {
+    let n = path.segments.len();
+    let mut votes: BTreeMap<Owner, usize> = BTreeMap::new();
+    for k in run.start.floor() as usize..run.end.ceil() as usize {
+        let own = path.segments[k % n].own;
+        if let Some(source) = own.iter().find_map(|f| surface.sources.get(*f as usize)) {
+            *votes
+                .entry(Owner { object: source.object, material: source.material })
+                .or_default() += 1;
+        }
+    }
+    votes.into_iter().max_by_key(|(owner, count)| (*count, std::cmp::Reverse(*owner))).map(|v| v.0)
 }
 
 fn is_drawn(kind: Kind, knobs: &LinesKnobs) -> bool {

@@ -6,17 +6,6 @@
 use chiaro_basis::{choice, knobs};
 
 choice! {
-    /// What colours a line.
-    pub enum LineColour {
-        /// The ink.
-        #[default]
-        Ink = "ink",
-        /// Its id: a colour a line, the same through the film.
-        Id = "id",
-    }
-}
-
-choice! {
     /// What becomes of hidden lines.
     pub enum Hidden {
         /// They are not drawn.
@@ -24,6 +13,8 @@ choice! {
         Drop = "drop",
         /// They are dashed.
         Dashed = "dashed",
+        /// They are drawn as the style has it.
+        Style = "style",
     }
 }
 
@@ -60,8 +51,6 @@ knobs! {
         shortest: f32 = 8.0, Number { min: 0.0, max: 500.0 }, "", "px", "visible runs below this are dropped";
         prune: f32 = 24.0, Number { min: 0.0, max: 1000.0 }, "", "px", "closed silhouettes that never grow longer than this are dropped, hidden parts counted";
         hidden: Hidden = Hidden::Drop, Choice(Hidden::WORDS), "", "", "what becomes of hidden lines";
-        dash: f32 = 5.0, Number { min: 0.5, max: 200.0 }, "", "px", "length of the dashes of hidden lines, and of their gaps";
-        colour: LineColour = LineColour::Ink, Choice(LineColour::WORDS), "", "", "what colours a line";
-        width: f32 = 2.0, Number { min: 0.1, max: 100.0 }, "", "px", "width of strokes";
+        margin: f32 = 24.0, Number { min: 0.0, max: 1000.0 }, "", "px", "lines are followed this far out of the picture";
     }
 }

@@ -7,6 +7,7 @@ use crate::path::{Kind, Path, Place};
 use crate::view::View;
 use crate::visibility::Run;
 use chiaro_basis::math::{DVec2, DVec3};
+use chiaro_scene::MaterialId;
 
 /// Half the length over which a turn is measured, pixels.
 const REACH: f64 = 4.0;
@@ -30,6 +31,15 @@ pub struct Sample {
     pub on_chain: f64,
 }
 
+/// What a line belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Owner {
+    /// Index into [`chiaro_scene::Frame::objects`].
+    pub object: u32,
+    /// The material.
+    pub material: MaterialId,
+}
+
 /// A line that is drawn in one go.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
@@ -39,6 +49,8 @@ pub struct Stroke {
     pub kind: Kind,
     /// Which chain of its kind it is a part of, in this frame.
     pub chain: u32,
+    /// What most of it belongs to, if anything.
+    pub owner: Option<Owner>,
     /// Whether the last sample is joined to the first, which is not repeated.
     pub closed: bool,
     /// Whether it is seen; else it is a hidden part.
@@ -68,6 +80,7 @@ impl Stroke {
             id: 0,
             kind: path.kind,
             chain: path.chain,
+            owner: None,
             closed,
             visible: true,
             samples,

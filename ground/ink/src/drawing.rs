@@ -56,12 +56,25 @@ pub enum Mark {
     Named {
         /// The name, once a file.
         name: String,
-        /// The middle of the line.
-        path: Path,
+        /// The middles of its lines.
+        paths: Vec<Path>,
         /// Millimetres.
         width: f64,
         /// Its colour.
         colour: Colour,
+        /// What is known of it: names and values of data attributes.
+        data: Vec<(&'static str, String)>,
+    },
+    /// A stroke as an area: outlines, closed, filled by the nonzero rule.
+    Shape {
+        /// The name, once a file.
+        name: String,
+        /// Its outlines.
+        outline: Vec<Path>,
+        /// What it is filled with.
+        colour: Colour,
+        /// What is known of it: names and values of data attributes.
+        data: Vec<(&'static str, String)>,
     },
 }
 

@@ -59,10 +59,16 @@ fn write_layer(out: &mut String, number: usize, layer: &Layer) {
                 out.push_str(" fill-rule=\"evenodd\" d=\"");
                 outline.iter().for_each(|path| write_path(out, path));
             }
-            Mark::Stroke { path, width, colour } => write_stroke(out, "", path, *width, *colour),
-            Mark::Named { name, path, width, colour } => {
-                let id = format!(" id=\"{}\"", escaped(name));
-                write_stroke(out, &id, path, *width, *colour);
+            Mark::Stroke { path, width, colour } => {
+                write_stroke(out, "", std::slice::from_ref(path), *width, *colour);
+            }
+            Mark::Named { name, paths, width, colour, data } => {
+                write_stroke(out, &named(name, data), paths, *width, *colour);
+            }
+            Mark::Shape { name, outline, colour, data } => {
+                push(out, format_args!("<path{}{}", named(name, data), paint("fill", *colour)));
+                out.push_str(" d=\"");
+                outline.iter().for_each(|path| write_path(out, path));
             }
         }
         out.push_str("\"/>\n");
@@ -70,14 +76,23 @@ fn write_layer(out: &mut String, number: usize, layer: &Layer) {
     out.push_str("</g>\n");
 }
 
-fn write_stroke(out: &mut String, id: &str, path: &Path, width: f64, colour: Colour) {
+/// A name and what is known, as attributes.
+fn named(name: &str, data: &[(&'static str, String)]) -> String {
+    let mut text = format!(" id=\"{}\"", escaped(name));
+    for (key, value) in data {
+        text += &format!(" data-{key}=\"{}\"", escaped(value));
+    }
+    text
+}
+
+fn write_stroke(out: &mut String, id: &str, paths: &[Path], width: f64, colour: Colour) {
     push(
         out,
         format_args!("<path{id} fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\""),
     );
     out.push_str(&paint("stroke", colour));
     push(out, format_args!(" stroke-width=\"{}\" d=\"", number(width)));
-    write_path(out, path);
+    paths.iter().for_each(|path| write_path(out, path));
 }
 
 /// `M x y L x y C x y x y x y Z`.

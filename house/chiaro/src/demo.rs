@@ -2,17 +2,14 @@
 //! a page that shows them.
 
 use crate::binary::{Job, Look};
-use crate::colours::Colours;
 use crate::film::Target;
 use crate::page::{self, Section};
 use crate::project::{Options, Project};
 use crate::record::Record;
 use crate::style::Style;
-use crate::vector::Print;
 use crate::write;
 use crate::{light, lines};
 use chiaro_basis::{Result, Run};
-use chiaro_lines::{LineColour, LinesKnobs};
 use chiaro_pbgi::LightKnobs;
 use std::path::Path;
 
@@ -114,17 +111,14 @@ fn line_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(S
             ..Options::default()
         };
         let project = Project::open(&format!("demo:{scene}"), options, run)?;
-        let colour = if film { LineColour::Id } else { LineColour::Ink };
-        let knobs = LinesKnobs { suggestive, colour, ..LinesKnobs::default() };
-        let job = lines::Job {
-            project: &project,
-            knobs: &knobs,
-            colours: Colours::default(),
-            print: Print::default(),
-            target: Target::parse(&folder.join(file), count as usize)?,
-            measure: false,
-            check: false,
-        };
+        let style = Style::of_lines("pen")?;
+        let mut look = lines::Look::of(&style)?;
+        look.lines.knobs.suggestive = suggestive;
+        if film {
+            look.set("colour=id")?;
+        }
+        let target = Target::parse(&folder.join(file), count as usize)?;
+        let job = lines::Job { project: &project, look, target, measure: false, check: false };
         record.outputs.extend(job.run(run)?.outputs);
         pictures.push((file.to_owned(), caption.to_owned()));
     }

@@ -1,10 +1,15 @@
 //! Named styles: sets of knobs as editable TOML.
 //!
-//! A style file has a one-line `description` and a table `[binary]` of knobs; knobs that it does
-//! not name keep their defaults.
+//! A style file has a one-line `description`, a table `[binary]` of knobs for regions, tables
+//! `[lines]`, `[stroke]` and `[[rule]]` for lines ([`LineStyle`]), the colours `ink`, `paper` and
+//! `background` where they are its own, and `over`: what its lines are drawn over. What a file does
+//! not name keeps its default.
 
+use crate::colours::Colours;
+use crate::lines::LineStyle;
 use chiaro_basis::{Error, Knobs, Result, Value, nearest};
 use chiaro_binary::BinaryKnobs;
+use chiaro_image::colour::parse_colour;
 use std::path::Path;
 
 /// A named style.
@@ -14,8 +19,22 @@ pub struct Style {
     pub name: String,
     /// What it looks like, in one line.
     pub description: String,
-    /// Its knobs.
+    /// Its knobs for regions.
     pub binary: BinaryKnobs,
+    /// Its lines.
+    pub lines: LineStyle,
+    /// What lines are drawn over: nothing, binary, light, or pictures.
+    pub over: String,
+    /// Its own ink, paper and background, as typed.
+    colours: [Option<String>; 3],
+    parts: Parts,
+}
+
+/// Which parts of a style its file has.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Parts {
+    binary: bool,
+    lines: bool,
 }
 
 /// The styles that ship with the program: name and text.
@@ -38,13 +57,14 @@ impl Style {
     /// The style called `name`, or the one in the file of that name.
     pub fn find(name: &str) -> Result<Self> {
         if let Some((name, text)) = BUILT_IN.iter().find(|(n, _)| *n == name) {
-            return Self::parse(name, text);
+            return Self::parse(name, text, Path::new(""));
         }
         if name.ends_with(".toml") || Path::new(name).is_file() {
             let bytes = crate::disk::read(Path::new(name))?;
             let text = String::from_utf8(bytes)
                 .map_err(|_| Error::input(name, "", "is no text; name a TOML file"))?;
-            return Self::parse(name, &text);
+            let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+            return Self::parse(name, &text, folder);
         }
         let names = BUILT_IN.map(|(n, _)| n);
         let hint = nearest(name, names).map(|n| format!("; did you mean {n}?")).unwrap_or_default();
@@ -54,47 +74,149 @@ impl Style {
 
     /// All styles that ship with the program.
     pub fn all() -> Result<Vec<Self>> {
-        BUILT_IN.iter().map(|(name, text)| Self::parse(name, text)).collect()
+        BUILT_IN.iter().map(|(name, text)| Self::parse(name, text, Path::new(""))).collect()
     }
 
-    fn parse(name: &str, text: &str) -> Result<Self> {
+    fn parse(name: &str, text: &str, folder: &Path) -> Result<Self> {
         let table: toml::Table = text.parse().map_err(|e: toml::de::Error| {
             let line =
                 e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
             Error::input(name, format!("line {line}"), e.message().to_string())
         })?;
-        let mut style =
-            Self { name: name.into(), description: String::new(), binary: BinaryKnobs::default() };
+        let mut style = Self {
+            name: name.into(),
+            description: String::new(),
+            binary: BinaryKnobs::default(),
+            lines: LineStyle::default(),
+            over: NOTHING.into(),
+            colours: [const { None }; 3],
+            parts: Parts::default(),
+        };
         for (key, value) in &table {
-            match (key.as_str(), value) {
-                ("description", toml::Value::String(s)) => style.description = s.clone(),
-                ("binary", toml::Value::Table(knobs)) => set_all(&mut style.binary, name, knobs)?,
-                _ => {
-                    let why =
-                        "is not part of a style; a style has a description and a table [binary]";
-                    return Err(Error::input(name, key, why));
-                }
+            style.read(key, value)?;
+        }
+        style.lines.load_textures(folder)?;
+        Ok(style)
+    }
+
+    /// Takes one entry of a file.
+    fn read(&mut self, key: &str, value: &toml::Value) -> Result<()> {
+        let name = &self.name;
+        match (key, value) {
+            ("description", toml::Value::String(s)) => self.description = s.clone(),
+            ("over", toml::Value::String(s)) => self.over = s.clone(),
+            ("ink" | "paper" | "background", toml::Value::String(s)) => {
+                parse_colour(s).map_err(|e| Error::input(name, key, e.to_string()))?;
+                let place = COLOURS.iter().position(|c| *c == key).unwrap_or(0);
+                self.colours[place] = Some(s.clone());
+            }
+            ("binary", toml::Value::Table(knobs)) => {
+                self.parts.binary = true;
+                set_all(&mut self.binary, name, knobs)?;
+            }
+            ("lines", toml::Value::Table(t)) => {
+                self.parts.lines = true;
+                self.lines.read_knobs(name, t)?;
+            }
+            ("stroke", toml::Value::Table(t)) => {
+                self.parts.lines = true;
+                self.lines.read_stroke(name, t)?;
+            }
+            ("rule", toml::Value::Array(rules)) => {
+                self.parts.lines = true;
+                self.lines.read_rules(name, rules)?;
+            }
+            _ => {
+                let why = "is not part of a style; a style has description, ink, paper, background \
+                           and over, the tables [binary], [lines] and [stroke], and [[rule]]";
+                return Err(Error::input(name, key, why));
             }
         }
-        Ok(style)
+        Ok(())
+    }
+
+    /// Whether it says anything about regions, or nothing about anything.
+    pub fn has_regions(&self) -> bool {
+        self.parts.binary || !self.parts.lines
+    }
+
+    /// Whether it says anything about lines, or nothing about anything.
+    pub fn has_lines(&self) -> bool {
+        self.parts.lines || !self.parts.binary
+    }
+
+    /// The style called `name`, if it is one of regions.
+    pub fn of_regions(name: &str) -> Result<Self> {
+        let style = Self::find(name)?;
+        if style.has_regions() {
+            return Ok(style);
+        }
+        let why = format!("a style of regions; {name} is for chiaro lines: see chiaro style list");
+        Err(Error::setting("--style", name, why))
+    }
+
+    /// The style called `name`, if it is one of lines.
+    pub fn of_lines(name: &str) -> Result<Self> {
+        let style = Self::find(name)?;
+        if style.has_lines() {
+            return Ok(style);
+        }
+        let why = format!("a style of lines; {name} is for chiaro binary: see chiaro style list");
+        Err(Error::setting("--style", name, why))
+    }
+
+    /// Its colours: black on white where it has none of its own.
+    pub fn colours(&self) -> Colours {
+        let own = |i: usize, default| {
+            let text = self.colours[i].as_deref();
+            text.and_then(|t| parse_colour(t).ok()).unwrap_or(default)
+        };
+        let plain = Colours::default();
+        let paper = own(1, plain.paper);
+        Colours { ink: own(0, plain.ink), paper, background: own(2, paper) }
     }
 
     /// The whole style as TOML, every knob with its help.
     pub fn to_toml(&self) -> String {
-        let mut text = format!("description = {:?}\n\n[binary]\n", self.description);
-        for (knob, value) in self.binary.values() {
-            let value = match value {
-                Value::Word(word) => format!("{word:?}"),
-                other => other.to_string(),
-            };
-            let unit =
-                if knob.unit.is_empty() { String::new() } else { format!(" [{}]", knob.unit) };
-            let symbol =
-                if knob.symbol.is_empty() { String::new() } else { format!(" {}", knob.symbol) };
-            text += &format!("{} = {value} # {}{unit}{symbol}\n", knob.name, knob.help);
+        let mut text = format!("description = {:?}\n", self.description);
+        for (name, colour) in COLOURS.iter().zip(&self.colours) {
+            if let Some(colour) = colour {
+                text += &format!("{name} = {colour:?}\n");
+            }
+        }
+        if self.over != NOTHING {
+            text += &format!("over = {:?}\n", self.over);
+        }
+        if self.has_regions() {
+            text += "\n[binary]\n";
+            text += &knob_lines(&self.binary);
+        }
+        if self.has_lines() {
+            text += &self.lines.to_toml();
         }
         text
     }
+}
+
+/// Colours that a style may have.
+const COLOURS: [&str; 3] = ["ink", "paper", "background"];
+
+/// What lines are drawn over by default.
+const NOTHING: &str = "nothing";
+
+/// A table of knobs as lines of TOML, each with its help.
+pub(crate) fn knob_lines(knobs: &impl Knobs) -> String {
+    let line = |(knob, value): (&chiaro_basis::Knob, Value)| {
+        let value = match value {
+            Value::Word(word) => format!("{word:?}"),
+            other => other.to_string(),
+        };
+        let unit = if knob.unit.is_empty() { String::new() } else { format!(" [{}]", knob.unit) };
+        let symbol =
+            if knob.symbol.is_empty() { String::new() } else { format!(" {}", knob.symbol) };
+        format!("{} = {value} # {}{unit}{symbol}\n", knob.name, knob.help)
+    };
+    knobs.values().into_iter().map(line).collect()
 }
 
 fn set_all(knobs: &mut BinaryKnobs, file: &str, table: &toml::Table) -> Result<()> {
@@ -125,15 +247,18 @@ mod tests {
     #[test]
     fn every_style_reads_back_from_its_own_text() {
         for style in Style::all().unwrap() {
-            let again = Style::parse(&style.name, &style.to_toml()).unwrap();
+            let again = Style::parse(&style.name, &style.to_toml(), Path::new("")).unwrap();
             assert_eq!(again.binary, style.binary, "{}", style.name);
+            assert_eq!(again.lines, style.lines, "{}", style.name);
+            assert_eq!((again.colours(), again.over), (style.colours(), style.over));
             assert!(!style.description.is_empty());
         }
     }
 
     #[test]
     fn styles_differ_in_more_than_two_knobs() {
-        let styles = Style::all().unwrap();
+        let mut styles = Style::all().unwrap();
+        styles.retain(Style::has_regions);
         for (i, a) in styles.iter().enumerate() {
             for b in &styles[i + 1..] {
                 let pairs = a.binary.values().into_iter().zip(b.binary.values());
@@ -145,7 +270,9 @@ mod tests {
 
     #[test]
     fn a_wrong_style_names_file_place_and_remedy() {
-        let error = Style::parse("my.toml", "[binary]\nglobul = 0.3").unwrap_err().to_string();
+        let error = Style::parse("my.toml", "[binary]\nglobul = 0.3", Path::new(""))
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("my.toml") && error.contains("did you mean global?"), "{error}");
         let error = Style::find("inc").unwrap_err().to_string();
         assert!(error.contains("did you mean ink?"), "{error}");

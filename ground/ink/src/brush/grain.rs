@@ -26,7 +26,8 @@ pub(super) struct Inking<'a> {
 impl Inking<'_> {
     /// Whether every place has all of its ink.
     pub(super) fn is_even(&self) -> bool {
-        let missing = matches!(self.brush.grain, Grain::Stretch | Grain::Repeat) && self.texture.is_none();
+        let missing =
+            matches!(self.brush.grain, Grain::Stretch | Grain::Repeat) && self.texture.is_none();
         self.brush.grain == Grain::Solid || missing
     }
 

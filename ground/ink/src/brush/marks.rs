@@ -24,7 +24,9 @@ pub fn ribbons(brush: &Brush, spine: &Spine) -> Vec<Ribbon> {
         let over = brush.overshoot * (1.0 - 0.3 * fine.axis.share(pass as i64, 7));
         fine.clone().overshot(over).wobbled(brush.wobble, f64::from(brush.wobble_length), pass)
     });
-    passes.flat_map(|spine| Placing { brush, hand: Hand::new(brush, &spine), spine: &spine }.marks()).collect()
+    passes
+        .flat_map(|spine| Placing { brush, hand: Hand::new(brush, &spine), spine: &spine }.marks())
+        .collect()
 }
 
 /// The line by which a stroke hides others, whatever its marks.
@@ -153,7 +155,8 @@ impl Placing<'_> {
             let length = along(self.spine, lengths, u);
             let full = self.hand.half_at(u, length, tangent) / (0.5 * self.brush.width).max(1e-6);
             let end = length.min(self.hand.total() - length);
-            let near = if self.spine.closed { 1.0 } else { (end / (0.6 * self.brush.spacing)).min(1.0) };
+            let near =
+                if self.spine.closed { 1.0 } else { (end / (0.6 * self.brush.spacing)).min(1.0) };
             Some(Spot { index, knot, tangent, scale: full * near * (2.0 - near) })
         };
         self.indices(lattice.cell, 0).filter_map(spot).collect()

@@ -69,7 +69,9 @@ impl Lattice {
 fn spline([a, b, c, d]: [f32; 4], t: f32) -> f32 {
     let s = 1.0 - t;
     let (t2, t3, s2) = (t * t, t * t * t, s * s);
-    (s2 * s * a + (3.0 * t3 - 6.0 * t2 + 4.0) * b + (1.0 + 3.0 * t + 3.0 * t2 - 3.0 * t3) * c
+    (s2 * s * a
+        + (3.0 * t3 - 6.0 * t2 + 4.0) * b
+        + (1.0 + 3.0 * t + 3.0 * t2 - 3.0 * t3) * c
         + t3 * d)
         * 1.5
         / 6.0
@@ -84,7 +86,8 @@ pub(super) fn cloud(seed: u64, x: f64, y: f64, count: Option<i64>) -> f32 {
         let i = count.map_or(i, |n| i.rem_euclid(n));
         unit(seed, (i as u64).wrapping_mul(0x1_0000_0001).wrapping_add((j as u64) << 17))
     };
-    let (top, bottom) = (mix(value(i, j), value(i + 1, j), s), mix(value(i, j + 1), value(i + 1, j + 1), s));
+    let (top, bottom) =
+        (mix(value(i, j), value(i + 1, j), s), mix(value(i, j + 1), value(i + 1, j + 1), s));
     mix(top, bottom, t)
 }
 

@@ -56,9 +56,7 @@ pub fn paint(strokes: &[Stroke<'_>], beneath: &Plane<[f32; 4]>, paper: Colour) -
             Tile::new(corner, beneath).painted(&ready, found, paper)
         })
         .collect();
-    Plane::from_fn(w, h, |x, y| {
-        done[y / TILE * across + x / TILE][y % TILE * TILE + x % TILE]
-    })
+    Plane::from_fn(w, h, |x, y| done[y / TILE * across + x / TILE][y % TILE * TILE + x % TILE])
 }
 
 /// A stroke, cut up.
@@ -192,7 +190,8 @@ impl Tile {
             let reach = halo.max(*rim);
             for (i, at) in self.within(piece.bounds(reach)) {
                 let Some(hit) = piece.hit(at, reach) else { continue };
-                let side = if stroke.stroke.right { (hit.across + 0.5).clamp(0.0, 1.0) } else { 1.0 };
+                let side =
+                    if stroke.stroke.right { (hit.across + 0.5).clamp(0.0, 1.0) } else { 1.0 };
                 let covers = |more: f32| if more > 0.0 { side * hit.cover(more) } else { 0.0 };
                 let gap = covers(*halo);
                 let [depth, cover] = &mut self.front[i];

@@ -124,7 +124,8 @@ impl Ribbon {
 /// Points of an arc, its last one left out.
 fn arc(middle: Vec2, radius: f32, from: f32, turn: f32) -> impl Iterator<Item = Vec2> {
     let parts = (4.0 + 3.0 * radius.sqrt()).ceil() as usize;
-    (0..parts).map(move |i| middle + radius * Vec2::from_angle(from + turn * i as f32 / parts as f32))
+    (0..parts)
+        .map(move |i| middle + radius * Vec2::from_angle(from + turn * i as f32 / parts as f32))
 }
 
 #[cfg(test)]

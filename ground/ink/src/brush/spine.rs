@@ -104,7 +104,8 @@ impl Spine {
             return true;
         }
         let at = |k: isize| {
-            let k = if self.closed { k.rem_euclid(n as isize - 1) } else { k.clamp(0, n as isize - 1) };
+            let k =
+                if self.closed { k.rem_euclid(n as isize - 1) } else { k.clamp(0, n as isize - 1) };
             self.knots[k as usize].at
         };
         let i = i as isize;
@@ -127,9 +128,7 @@ impl Spine {
             let chord = self.knots[other].at - self.knots[i].at;
             let chord = if other > i { chord } else { -chord };
             match (corner[i], self.around(i)) {
-                (false, (Some(a), Some(b))) => {
-                    0.5 * (b - a).clamp_length_max(2.0 * chord.length())
-                }
+                (false, (Some(a), Some(b))) => 0.5 * (b - a).clamp_length_max(2.0 * chord.length()),
                 _ => chord,
             }
         };
@@ -259,8 +258,9 @@ mod tests {
     #[test]
     fn smoothing_keeps_corners_and_ends() {
         let knot = |x: f32, y: f32, u: f64| Knot { at: Vec2::new(x, y), u, depth: 0.0 };
-        let mut knots: Vec<Knot> =
-            (0..10).map(|i| knot(3.0 * i as f32, 0.2 * (i % 2) as f32, 3.0 * f64::from(i))).collect();
+        let mut knots: Vec<Knot> = (0..10)
+            .map(|i| knot(3.0 * i as f32, 0.2 * (i % 2) as f32, 3.0 * f64::from(i)))
+            .collect();
         knots.extend((1..10).map(|i| knot(27.0, 3.0 * i as f32, 27.0 + 3.0 * f64::from(i))));
         let spine = Spine::new(knots.clone(), false, Axis::default()).smoothed(4.0);
         assert_eq!(spine.knots[0].at, knots[0].at);

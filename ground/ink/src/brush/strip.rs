@@ -134,8 +134,7 @@ impl Piece {
     /// Where `p` is on the piece, if it is the piece's and within `reach` of its border.
     pub(super) fn hit(&self, p: Vec2, reach: f32) -> Option<Hit> {
         let [a, b] = &self.ends;
-        let (before, after) =
-            ((p - a.at).dot(self.bounds[0]), (b.at - p).dot(self.bounds[1]));
+        let (before, after) = ((p - a.at).dot(self.bounds[0]), (b.at - p).dot(self.bounds[1]));
         let mut end = 1.0;
         for (inside, cap) in [before, after].into_iter().zip(self.caps) {
             match cap {

@@ -15,10 +15,13 @@ impl Texture {
         let clear = picture.pixels().iter().any(|p| p[3] < 255);
         let ink = picture.map(|&[r, g, b, a]| match clear {
             true => f32::from(a) / 255.0,
-            false => 1.0 - (0.299 * f32::from(r) + 0.587 * f32::from(g) + 0.114 * f32::from(b)) / 255.0,
+            false => {
+                1.0 - (0.299 * f32::from(r) + 0.587 * f32::from(g) + 0.114 * f32::from(b)) / 255.0
+            }
         });
         let mut levels = vec![ink];
-        while let Some(half) = levels.last().filter(|p| p.height() > 1 && p.width() > 1).map(halved) {
+        while let Some(half) = levels.last().filter(|p| p.height() > 1 && p.width() > 1).map(halved)
+        {
             levels.push(half);
         }
         Self { levels }
@@ -45,7 +48,10 @@ impl Texture {
 fn halved(p: &Plane<f32>) -> Plane<f32> {
     let (w, h) = (p.width() / 2, p.height() / 2);
     Plane::from_fn(w.max(1), h.max(1), |x, y| {
-        0.25 * (p[(2 * x, 2 * y)] + p[(2 * x + 1, 2 * y)] + p[(2 * x, 2 * y + 1)] + p[(2 * x + 1, 2 * y + 1)])
+        0.25 * (p[(2 * x, 2 * y)]
+            + p[(2 * x + 1, 2 * y)]
+            + p[(2 * x, 2 * y + 1)]
+            + p[(2 * x + 1, 2 * y + 1)])
     })
 }
 

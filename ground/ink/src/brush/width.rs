@@ -42,7 +42,11 @@ impl<'a> Hand<'a> {
     /// The same for any point: its u, its length from the start, and the direction there.
     pub(super) fn half_at(&self, u: f64, length: f32, tangent: Vec2) -> f32 {
         let b = self.brush;
-        0.5 * b.width * self.pressure(u) * self.ends(length) * self.light(tangent) * self.nib(tangent)
+        0.5 * b.width
+            * self.pressure(u)
+            * self.ends(length)
+            * self.light(tangent)
+            * self.nib(tangent)
     }
 
     fn pressure(&self, u: f64) -> f32 {

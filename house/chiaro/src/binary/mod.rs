@@ -105,41 +105,11 @@ impl Job<'_> {
         let mut deliver = |number: u32, picture: Picture| {
             self.deliver(&mut frames, (number, picture), (encoding, &recipe(number)), run)
         };
-        let film = self.shoot(&shot, &missing, &mut deliver, run)?;
+        let film = shoot(&shot, &self.look.colours, &missing, &mut deliver, run)?;
         frames.finish(self.project.options.fps, &mut record, run)?;
         record.settings = settings;
         record.counts.extend(film);
         Ok(record)
-    }
-
-    /// Makes the frames one after the other; the measures of the film.
-    fn shoot(
-        &self,
-        shot: &Shot<'_>,
-        numbers: &[u32],
-        deliver: &mut dyn FnMut(u32, Picture) -> Result<()>,
-        run: &Run,
-    ) -> Result<Map<String, Value>> {
-        let colours = &self.look.colours;
-        let is_film = self.project.shot().len() > 1;
-        let alone = match shot.palette(colours)? {
-            Palette::Two if shot.painting.is_none() => None,
-            Palette::Two => Some("painted strokes"),
-            _ => Some("a palette of more colours"),
-        };
-        if is_film && alone.is_none() {
-            return reel::shoot(shot, colours, (numbers, Labelling::of(&shot.knobs)), deliver, run);
-        }
-        if let Some(why) = alone.filter(|_| is_film && shot.knobs.coherence > 0.0) {
-            run.warn(format!("{why}: each frame is on its own"));
-        }
-        let poser = self.project.poser();
-        for &number in numbers {
-            run.check()?;
-            let frame = self.project.pose(&poser, number, run);
-            deliver(number, shot.picture(&frame, number, colours, run)?)?;
-        }
-        Ok(Map::new())
     }
 
     /// Hands a finished picture over to its file, and its graph to the folder of graphs.
@@ -167,4 +137,33 @@ impl Job<'_> {
         frames.measured(number, counts);
         Ok(())
     }
+}
+
+/// Makes the frames `numbers` of a shot one after the other; the measures of the film.
+pub(crate) fn shoot(
+    shot: &Shot<'_>,
+    colours: &Colours,
+    numbers: &[u32],
+    deliver: &mut dyn FnMut(u32, Picture) -> Result<()>,
+    run: &Run,
+) -> Result<Map<String, Value>> {
+    let is_film = shot.project.shot().len() > 1;
+    let alone = match shot.palette(colours)? {
+        Palette::Two if shot.painting.is_none() => None,
+        Palette::Two => Some("painted strokes"),
+        _ => Some("a palette of more colours"),
+    };
+    if is_film && alone.is_none() {
+        return reel::shoot(shot, colours, (numbers, Labelling::of(&shot.knobs)), deliver, run);
+    }
+    if let Some(why) = alone.filter(|_| is_film && shot.knobs.coherence > 0.0) {
+        run.warn(format!("{why}: each frame is on its own"));
+    }
+    let poser = shot.project.poser();
+    for &number in numbers {
+        run.check()?;
+        let frame = shot.project.pose(&poser, number, run);
+        deliver(number, shot.picture(&frame, number, colours, run)?)?;
+    }
+    Ok(Map::new())
 }

@@ -150,7 +150,7 @@ const STYLE_SCENES: [&str; 4] = ["head", "desk", "multipod", "golf-ball"];
 pub fn style_sheet(path: &Path, run: &Run) -> Result<Record> {
     let mut record = Record::new("style");
     let mut sheet = Sheet::new(STYLE_SCENES.len()).title("styles").thumbnails(300, 300);
-    for style in Style::all()? {
+    for style in Style::all()?.into_iter().filter(Style::has_regions) {
         for scene in STYLE_SCENES {
             let plate = Plate::of(scene, 480, &style.binary, run)?;
             sheet.add(plate.ink(&style.binary, run)?, format!("{}: {scene}", style.name));

@@ -3,17 +3,25 @@
 //! Pixels to a thousandth, y down; world coordinates as they round to seven digits. The first sample
 //! of a closed stroke is not repeated.
 
-use super::Shot;
+use super::ready::{Drawn, ready};
+use super::style::brush_settings;
+use super::{Look, Shot};
 use chiaro_basis::math::{DVec2, DVec3};
+use chiaro_ink::brush::Brush;
 use chiaro_lines::{FilmEvent, FilmFrame, Stroke};
+use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// The frames `wanted` of a shot, with the events between them.
-pub(super) fn document(shot: &Shot, wanted: &[u32]) -> String {
+pub(super) fn document(shot: &Shot, wanted: &[u32], look: &Look<'_>) -> String {
+    let mut brushes = Brushes::default();
     let mut text = String::from("{\"frames\":[");
     let frames = shot.numbers.iter().zip(&shot.film.frames);
     let chosen = frames.filter(|(n, _)| wanted.contains(n));
-    join(&mut text, chosen, |text, (number, f)| frame(text, *number, f));
+    join(&mut text, chosen, |text, (number, f)| {
+        let drawn = ready(shot, f, &look.lines, &look.colours);
+        frame(text, *number, f, |s| brushes.of(&drawn, s));
+    });
     text += "\n],\"events\":[";
     let events = shot.film.events.iter().map(|e| (number_of(&shot.numbers, e.time), e));
     let (low, high) = (wanted.iter().min(), wanted.iter().max());
@@ -21,8 +29,30 @@ pub(super) fn document(shot: &Shot, wanted: &[u32]) -> String {
         low.is_some_and(|l| t >= f64::from(*l)) && high.is_some_and(|h| t <= f64::from(*h))
     };
     join(&mut text, events.filter(|(t, _)| inside(*t)), |text, (time, e)| event(text, time, e));
-    text += "\n]}\n";
+    let _ =
+        write!(text, "\n],\"style\":{},\"brushes\":{}}}\n", json!(look.style.name), brushes.json());
     text
+}
+
+/// The brushes that occur, in the order in which they do.
+#[derive(Default)]
+struct Brushes(Vec<std::sync::Arc<Brush>>);
+
+impl Brushes {
+    /// The place of a stroke's brush among them.
+    fn of(&mut self, drawn: &[Drawn<'_>], stroke: &Stroke) -> usize {
+        let same = |d: &&Drawn<'_>| std::ptr::eq(d.stroke, stroke);
+        let Some(drawn) = drawn.iter().find(same) else { return 0 };
+        let known = self.0.iter().position(|b| **b == *drawn.brush);
+        known.unwrap_or_else(|| {
+            self.0.push(drawn.brush.clone());
+            self.0.len() - 1
+        })
+    }
+
+    fn json(&self) -> Value {
+        self.0.iter().map(|b| brush_settings(b)).collect()
+    }
 }
 
 /// The frame number at a fractional index of the shot.
@@ -41,21 +71,26 @@ fn join<T>(text: &mut String, items: impl Iterator<Item = T>, mut put: impl FnMu
     }
 }
 
-fn frame(text: &mut String, number: u32, frame: &FilmFrame) {
+fn frame(
+    text: &mut String,
+    number: u32,
+    frame: &FilmFrame,
+    mut brush: impl FnMut(&Stroke) -> usize,
+) {
     let view = &frame.view;
     let aspect = view.size.0 as f32 / view.size.1 as f32;
     let matrix = view.pose.clip_from_world(aspect).transpose().to_cols_array();
     let _ = write!(text, "\n{{\"frame\":{number},\"clip_from_world\":[");
     join(text, matrix.into_iter(), |t, x| float(t, f64::from(x)));
     text.push_str("],\"strokes\":[");
-    join(text, frame.strokes.iter().chain(&frame.hidden), stroke);
+    join(text, frame.strokes.iter().chain(&frame.hidden), |t, s| stroke(t, s, brush(s)));
     text.push_str("]}");
 }
 
-fn stroke(text: &mut String, s: &Stroke) {
+fn stroke(text: &mut String, s: &Stroke, brush: usize) {
     let _ = write!(
         text,
-        "\n{{\"id\":{},\"type\":\"{}\",\"closed\":{},\"points\":[",
+        "\n{{\"id\":{},\"type\":\"{}\",\"brush\":{brush},\"closed\":{},\"points\":[",
         s.id,
         s.kind.name(),
         s.closed

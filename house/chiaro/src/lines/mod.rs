@@ -1,10 +1,14 @@
 //! `chiaro lines`: from a project to strokes, one frame or a film.
 //!
 //! The lines of the whole shot are found and tracked first, since identities are decided over the
-//! shot; then every frame that is not there yet is written.
+//! shot; then every frame that is not there yet is drawn with the brushes of its style, over nothing,
+//! over binary shading, or over pictures, and written.
 
+pub(crate) mod beneath;
 mod document;
 pub(crate) mod picture;
+pub(crate) mod ready;
+pub(crate) mod style;
 mod svg;
 
 use crate::camera::Camera;
@@ -12,28 +16,64 @@ use crate::colours::Colours;
 use crate::film::Target;
 use crate::frames::Frames;
 use crate::project::Project;
-use crate::record::{Record, frame_recipe, knob_settings};
+use crate::record::{Record, frame_recipe};
+use crate::style::Style;
 use crate::vector::Print;
+pub use beneath::Over;
+use beneath::{Beneath, Regions};
 use chiaro_basis::{Error, Result, Run};
+use chiaro_binary::BinaryKnobs;
 use chiaro_image::codec;
+use chiaro_image::colour::srgb_encode;
 use chiaro_lines::check::check;
 use chiaro_lines::{Film, LinesKnobs, Reel, View};
 use chiaro_scene::Frame;
-use serde_json::{Map, Value, json};
+use ready::Names;
+use serde_json::{Map, Value};
+pub use style::LineStyle;
 
 /// Frames on which the default view is framed, at most.
 const FRAMING: usize = 5;
+
+/// What lines look like, and what they lie on.
+pub struct Look<'a> {
+    /// The style.
+    pub style: &'a Style,
+    /// Its lines, `--set` applied.
+    pub lines: LineStyle,
+    /// Its regions, `--set` applied.
+    pub binary: BinaryKnobs,
+    /// What is beneath.
+    pub over: Over,
+    /// Ink, paper and background.
+    pub colours: Colours,
+    /// The paper that SVG files are drawn on, and the pen's width where strokes are drawn by one.
+    pub print: Print,
+}
+
+impl<'a> Look<'a> {
+    /// A style as it is.
+    pub fn of(style: &'a Style) -> Result<Self> {
+        let (lines, binary) = (style.lines.clone(), style.binary.clone());
+        let over = Over::parse(&style.over)?;
+        Ok(Self { style, lines, binary, over, colours: style.colours(), print: Print::default() })
+    }
+
+    /// Sets a knob of lines, of brushes, or, as in `binary.global`, of regions.
+    pub fn set(&mut self, text: &str) -> Result<()> {
+        match text.trim().strip_prefix("binary.") {
+            Some(rest) => crate::style::set(&mut self.binary, rest),
+            None => self.lines.set(text),
+        }
+    }
+}
 
 /// A lines job.
 pub struct Job<'a> {
     /// The scene and its film.
     pub project: &'a Project,
-    /// The knobs, `--set` applied.
-    pub knobs: &'a LinesKnobs,
-    /// Ink and background.
-    pub colours: Colours,
-    /// The paper that SVG files are drawn on, and the pen's width where it is not the strokes' own.
-    pub print: Print,
+    /// What lines look like.
+    pub look: Look<'a>,
     /// Where the lines go.
     pub target: Target,
     /// Whether the record needs the measures even of films that are there already.
@@ -81,6 +121,8 @@ pub struct Shot {
     pub numbers: Vec<u32>,
     /// Their lines, in the same order.
     pub film: Film,
+    /// What objects are called.
+    pub(crate) names: Names,
 }
 
 impl Shot {
@@ -91,7 +133,23 @@ impl Shot {
         for note in &film.notes {
             run.warn(note);
         }
-        Ok(Self { camera, numbers, film })
+        Ok(Self { camera, numbers, film, names: names(project) })
+    }
+}
+
+/// What the objects of a project's frames are called.
+fn names(project: &Project) -> Names {
+    let scene = &project.scene;
+    let frame = project.poser().frame(0.0, &project.playback);
+    let object = |o: &chiaro_scene::Object| scene.nodes[o.node.index()].name.clone();
+    let encoded = |m: &chiaro_scene::Material| {
+        let [r, g, b, _] = m.base_colour;
+        [r, g, b].map(srgb_encode)
+    };
+    Names {
+        objects: frame.objects.iter().map(object).collect(),
+        materials: scene.materials.iter().map(|m| m.name.clone()).collect(),
+        colours: scene.materials.iter().map(encoded).collect(),
     }
 }
 
@@ -121,17 +179,31 @@ impl Job<'_> {
         let encoding = Encoding::of(&self.target)?;
         let mut record = Record::new("lines");
         let camera = camera(self.project, run)?;
-        let settings = self.settings(&camera);
-        let recipe = |number| frame_recipe("lines", settings.clone(), number);
+        let regions = self.regions(encoding, run)?;
+        let settings = self.settings(&camera, regions.as_ref());
+        let recipe = |number| {
+            let mut settings = settings.clone();
+            settings.insert("over".into(), self.look.over.settings(number));
+            frame_recipe("lines", settings, number)
+        };
         let mut frames = Frames::new(&self.target, &recipe);
         let missing = frames.missing(self.project.frames());
+        let knobs = &self.look.lines.knobs;
         if self.check {
-            let errors = with_reel(self.project, &camera, |reel| check(reel, self.knobs, run))?;
+            let errors = with_reel(self.project, &camera, |reel| check(reel, knobs, run))?;
             record.counts.extend(counts(errors.named()));
         }
         if !missing.is_empty() || self.measure {
-            let shot = Shot::track(self.project, camera, self.knobs, run)?;
-            self.write(&shot, &missing, (encoding, &recipe), &mut frames, run)?;
+            let shot = Shot::track(self.project, camera, knobs, run)?;
+            let job = Writing { job: self, shot: &shot, encoding, recipe: &recipe };
+            match &regions {
+                Some(regions) => {
+                    let deliver =
+                        &mut |number, beneath| job.page(&[number], Some(beneath), &mut frames, run);
+                    record.counts.extend(regions.shoot(&missing, deliver, run)?);
+                }
+                None => job.pages(&missing, &mut frames, run)?,
+            }
             frames.measured(missing.first().copied().unwrap_or(0), measures(&shot));
         }
         frames.finish(self.project.options.fps, &mut record, run)?;
@@ -139,62 +211,82 @@ impl Job<'_> {
         Ok(record)
     }
 
-    fn write(
-        &self,
-        shot: &Shot,
-        numbers: &[u32],
-        (encoding, recipe): (Encoding, &dyn Fn(u32) -> String),
-        frames: &mut Frames<'_>,
-        run: &Run,
-    ) -> Result<()> {
-        for page in self.pages(numbers, encoding) {
-            run.check()?;
-            let number = page[0];
-            if frames.are_one_file() {
-                let draw = || picture::picture(shot, number, self.knobs, &self.colours);
-                frames.keep(number, run.stage("draw", 1, draw));
-            } else {
-                let encode = || self.encode(shot, page, encoding, &recipe(number));
-                let bytes = run.stage("draw", page.len() as u64, encode)?;
-                frames.write(number, &bytes, run)?;
+    /// The binary shading beneath, where there is some and the file shows it.
+    fn regions(&self, encoding: Encoding, run: &Run) -> Result<Option<Regions<'_>>> {
+        match (&self.look.over, encoding) {
+            (Over::Nothing, _) => Ok(None),
+            (Over::Binary, Encoding::Png) => {
+                let how = (self.look.style, &self.look.binary);
+                Regions::survey(self.project, how, self.look.colours, run).map(Some)
             }
+            (Over::Pictures(_), Encoding::Png) => Ok(None),
+            (Over::Binary | Over::Pictures(_), _) => {
+                run.warn("vectors hold the lines alone: what they are drawn over is left out");
+                Ok(None)
+            }
+        }
+    }
+
+    fn settings(&self, camera: &Camera, regions: Option<&Regions<'_>>) -> Map<String, Value> {
+        let mut s = camera.settings(self.project);
+        let look = &self.look;
+        s.insert("style".into(), look.style.name.clone().into());
+        s.insert("colours".into(), look.colours.settings());
+        s.insert("print".into(), look.print.settings());
+        s.extend(look.lines.settings());
+        if let Some(regions) = regions {
+            s.insert("regions".into(), Value::Object(regions.settings()));
+        }
+        s
+    }
+}
+
+/// Frames on their way to files.
+struct Writing<'a> {
+    job: &'a Job<'a>,
+    shot: &'a Shot,
+    encoding: Encoding,
+    recipe: &'a dyn Fn(u32) -> String,
+}
+
+impl Writing<'_> {
+    /// The frames by file: one each, but a single file of strokes holds a whole film.
+    fn pages(&self, numbers: &[u32], frames: &mut Frames<'_>, run: &Run) -> Result<()> {
+        let whole =
+            matches!((&self.job.target, self.encoding), (Target::Single(_), Encoding::Json));
+        for page in numbers.chunks(if whole { numbers.len().max(1) } else { 1 }) {
+            let beneath = match self.encoding {
+                Encoding::Png => self.job.look.over.picture(page[0], self.shot.camera.size)?,
+                _ => None,
+            };
+            self.page(page, beneath, frames, run)?;
         }
         Ok(())
     }
 
-    /// The frames by file: one each, but a single file of strokes holds a whole film.
-    fn pages<'n>(&self, numbers: &'n [u32], encoding: Encoding) -> std::slice::Chunks<'n, u32> {
-        match (&self.target, encoding) {
-            (Target::Single(_), Encoding::Json) => numbers.chunks(numbers.len()),
-            _ => numbers.chunks(1),
-        }
-    }
-
-    /// The bytes of a file of some frames; only JSON holds more than one.
-    fn encode(
+    /// Draws and writes some frames; only JSON holds more than one.
+    fn page(
         &self,
-        shot: &Shot,
         page: &[u32],
-        encoding: Encoding,
-        recipe: &str,
-    ) -> Result<Vec<u8>> {
-        match encoding {
-            Encoding::Json => Ok(document::document(shot, page).into_bytes()),
-            Encoding::Svg => Ok(svg::svg(shot, page[0], self, recipe.to_owned())?.into_bytes()),
-            Encoding::Png => {
-                let picture = picture::picture(shot, page[0], self.knobs, &self.colours);
-                codec::write_png_rgba(&picture, Some(recipe))
-            }
+        beneath: Option<Beneath>,
+        frames: &mut Frames<'_>,
+        run: &Run,
+    ) -> Result<()> {
+        run.check()?;
+        let (number, look) = (page[0], &self.job.look);
+        let draw =
+            |beneath| picture::picture(self.shot, number, &look.lines, &look.colours, beneath);
+        if frames.are_one_file() {
+            frames.keep(number, run.stage("draw", 1, || draw(beneath)));
+            return Ok(());
         }
-    }
-
-    fn settings(&self, camera: &Camera) -> Map<String, Value> {
-        let mut s = camera.settings(self.project);
-        let colours = json!({ "ink": self.colours.ink, "background": self.colours.background });
-        s.insert("colours".into(), colours);
-        s.insert("print".into(), self.print.settings());
-        s.extend(knob_settings(self.knobs));
-        s
+        let recipe = (self.recipe)(number);
+        let bytes = run.stage("draw", page.len() as u64, || match self.encoding {
+            Encoding::Json => Ok(document::document(self.shot, page, look).into_bytes()),
+            Encoding::Svg => svg::svg(self.shot, number, self.job, recipe).map(String::into_bytes),
+            Encoding::Png => codec::write_png_rgba(&draw(beneath), Some(&recipe)),
+        })?;
+        frames.write(number, &bytes, run)
     }
 }
 

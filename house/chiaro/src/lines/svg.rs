@@ -1,21 +1,30 @@
-//! Lines as SVG in millimetres: one layer a line type, one path a stroke, closed ones closed.
+//! Lines as SVG in millimetres: one layer a line type, one path a stroke.
 //!
-//! A path's name is the stroke's type and id; parts of one line in one frame get a second number.
+//! Strokes are filled outlines of their width, as smooth curves; with a pen, or where the brush's
+//! `outline` is off, they are paths of constant width through their middles. A path's name is the
+//! stroke's type and id; parts of one line in one frame get a second number. Its data attributes
+//! hold type, id, u at both ends, the period of closed strokes, and the brush's mark.
+//!
+//! Grain and pictures of strokes have no outline: such strokes are even here.
 
-use super::picture::{dashes, frame, id_colour, polyline};
+use super::picture::frame;
+use super::ready::{Drawn, ready};
 use super::{Job, Shot};
 use chiaro_basis::Result;
-use chiaro_ink::{Drawing, Layer, Mark, Path, Placement, Point, Polyline, simplified};
-use chiaro_lines::{Kind, LineColour, Stroke};
+use chiaro_ink::brush::{Rib, Ribbon, ribbons};
+use chiaro_ink::{Drawing, Fit, Layer, Mark, Path, Placement, Point, fit};
+use chiaro_lines::Kind;
 use std::collections::BTreeMap;
 
-/// Points that stray less than this from the line are left out, in millimetres.
+/// How far curves may stray from the stroke's border, in millimetres.
 const TOLERANCE: f64 = 0.02;
+/// Turns that stay corners, radians.
+const CORNER: f64 = 0.7;
 
 pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Result<String> {
-    let placement = job.print.sheet.place(shot.camera.size)?;
-    let frame = frame(shot, number);
-    let background = job.colours.background;
+    let placement = job.look.print.sheet.place(shot.camera.size)?;
+    let colours = &job.look.colours;
+    let background = colours.background;
     let mut drawing = Drawing {
         page: placement.page,
         title: format!("{}, frame {number}", job.project.file_name()),
@@ -23,13 +32,17 @@ pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Re
         background: (background[3] > 0.0 && background != [1.0; 4]).then_some(background),
         layers: Vec::new(),
     };
-    let pen = Pen { job, placement: &placement };
-    for kind in Kind::ALL {
-        drawing.layers.extend(pen.layer(kind.name(), &frame.strokes, kind, ""));
-    }
-    for kind in Kind::ALL {
-        let name = format!("hidden {}", kind.name());
-        drawing.layers.extend(pen.layer(&name, &frame.hidden, kind, "hidden-"));
+    let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
+    let mut pen = Pen { job, placement: &placement, parts: BTreeMap::new() };
+    for (visible, prefix) in [(false, "hidden "), (true, "")] {
+        for kind in Kind::ALL {
+            let of_kind =
+                drawn.iter().filter(|d| d.stroke.kind == kind && d.stroke.visible == visible);
+            let marks: Vec<Mark> = of_kind.filter_map(|d| pen.mark(d)).collect();
+            if !marks.is_empty() {
+                drawing.layers.push(Layer { name: format!("{prefix}{}", kind.name()), marks });
+            }
+        }
     }
     Ok(drawing.to_svg())
 }
@@ -37,50 +50,101 @@ pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Re
 struct Pen<'a> {
     job: &'a Job<'a>,
     placement: &'a Placement,
+    parts: BTreeMap<(Kind, bool, u32), u32>,
 }
 
 impl Pen<'_> {
-    fn layer(&self, name: &str, strokes: &[Stroke], kind: Kind, prefix: &str) -> Option<Layer> {
-        let mut parts: BTreeMap<u32, u32> = BTreeMap::new();
-        let mut marks = Vec::new();
-        for stroke in strokes.iter().filter(|s| s.kind == kind) {
-            let lines = match stroke.visible {
-                true => vec![polyline(stroke)],
-                false => dashes(stroke, self.job.knobs.dash),
-            };
-            for line in lines {
-                let part = parts.entry(stroke.id).or_insert(0);
-                *part += 1;
-                let name = match *part {
-                    1 => format!("{prefix}{}-{}", kind.name(), stroke.id),
-                    n => format!("{prefix}{}-{}-{n}", kind.name(), stroke.id),
-                };
-                marks.extend(self.mark(name, stroke.id, &line));
-            }
+    fn mark(&mut self, drawn: &Drawn<'_>) -> Option<Mark> {
+        let marks = ribbons(&drawn.brush, &drawn.spine);
+        let pen = self.job.look.print.pen;
+        let mut colour = drawn.colour;
+        colour[3] *= drawn.brush.opacity;
+        let paths = |of: &dyn Fn(&Ribbon) -> Vec<Path>| -> Vec<Path> {
+            marks.iter().flat_map(of).collect()
+        };
+        let filled = pen.is_none() && drawn.brush.outline;
+        let outline = match filled {
+            true => paths(&|r| self.outline(r)),
+            false => paths(&|r| self.middle(r)),
+        };
+        if outline.is_empty() {
+            return None;
         }
-        (!marks.is_empty()).then(|| Layer { name: name.into(), marks })
+        let (name, data) = (self.name(drawn), data(drawn));
+        Some(match filled {
+            true => Mark::Shape { name, outline, colour, data },
+            false => {
+                let width = pen.unwrap_or_else(|| self.mean_width(&marks));
+                Mark::Named { name, paths: outline, width, colour, data }
+            }
+        })
     }
 
-    fn mark(&self, name: String, id: u32, line: &Polyline) -> Option<Mark> {
-        let on_page = |p: &[f32; 2]| self.placement.at(p.map(f64::from));
-        let mut points: Vec<Point> = line.points.iter().map(on_page).collect();
-        if line.closed {
-            points.push(*points.first()?);
+    fn mean_width(&self, marks: &[Ribbon]) -> f64 {
+        let widths: Vec<f64> = marks.iter().map(|r| f64::from(r.mean_width())).collect();
+        self.placement.scale * widths.iter().sum::<f64>() / widths.len().max(1) as f64
+    }
+
+    fn name(&mut self, drawn: &Drawn<'_>) -> String {
+        let stroke = drawn.stroke;
+        let prefix = if stroke.visible { "" } else { "hidden-" };
+        let part = self.parts.entry((stroke.kind, stroke.visible, stroke.id)).or_insert(0);
+        *part += 1;
+        match *part {
+            1 => format!("{prefix}{}-{}", stroke.kind.name(), stroke.id),
+            n => format!("{prefix}{}-{}-{n}", stroke.kind.name(), stroke.id),
         }
-        let mut points = simplified(&points, TOLERANCE);
-        if line.closed {
+    }
+
+    /// The border of a ribbon on the page.
+    fn outline(&self, ribbon: &Ribbon) -> Vec<Path> {
+        let smooth = |points: Vec<Point>| self.smooth(&points, true);
+        let mut outlines = ribbon.outlines();
+        if ribbon.erases {
+            // Against the winding of what it takes away from.
+            outlines.iter_mut().for_each(|o| o.reverse());
+        }
+        outlines.into_iter().filter_map(smooth).collect()
+    }
+
+    /// The middle of a ribbon on the page. What is taken away has none; a disc is a dot.
+    fn middle(&self, ribbon: &Ribbon) -> Vec<Path> {
+        if ribbon.erases {
+            return Vec::new();
+        }
+        let mut points: Vec<Point> = ribbon.ribs.iter().map(place).collect();
+        if ribbon.closed {
             points.pop();
         }
-        let path = Path::through(&points, line.closed)?;
-        let own = f64::from(self.job.knobs.width) * self.placement.scale;
-        let width = self.job.print.pen.unwrap_or(own);
-        let colour = match self.job.knobs.colour {
-            LineColour::Ink => self.job.colours.ink,
-            LineColour::Id => {
-                let [r, g, b] = id_colour(id);
-                [r, g, b, 1.0]
-            }
-        };
-        Some(Mark::Named { name, path, width, colour })
+        self.smooth(&points, ribbon.closed).into_iter().collect()
     }
+
+    fn smooth(&self, points: &[Point], closed: bool) -> Option<Path> {
+        let on_page: Vec<Point> = points.iter().map(|p| self.placement.at(*p)).collect();
+        let how = Fit { tolerance: TOLERANCE, corner: CORNER, blur: 0.5 * self.placement.scale };
+        fit(&on_page, closed, &how)
+    }
+}
+
+fn place(rib: &Rib) -> Point {
+    [f64::from(rib.at.x), f64::from(rib.at.y)]
+}
+
+/// What other programs may want to know of a stroke.
+fn data(drawn: &Drawn<'_>) -> Vec<(&'static str, String)> {
+    let stroke = drawn.stroke;
+    let number = |x: f64| format!("{}", (x * 1e4).round() / 1e4 + 0.0);
+    let mut data = vec![("type", stroke.kind.name().to_owned()), ("id", stroke.id.to_string())];
+    if let (Some(first), Some(last)) = (stroke.u.first(), stroke.u.last()) {
+        data.push(("u0", number(*first)));
+        data.push(("u1", number(*last)));
+    }
+    if let Some(period) = stroke.u_period {
+        data.push(("u-period", number(period)));
+    }
+    data.push(("pixels-per-u", number(stroke.pixels_per_u)));
+    if let chiaro_basis::Value::Word(word) = chiaro_basis::KnobValue::to_value(&drawn.brush.mark) {
+        data.push(("mark", word));
+    }
+    data
 }

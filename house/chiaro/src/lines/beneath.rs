@@ -1,0 +1,132 @@
+//! What lines are drawn over: nothing, the regions of binary shading, or pictures from files.
+
+use crate::binary::{self, Encoding};
+use crate::colours::Colours;
+use crate::disk;
+use crate::film::Target;
+use crate::project::Project;
+use crate::style::Style;
+use chiaro_basis::{Error, Result, Run};
+use chiaro_binary::BinaryKnobs;
+use chiaro_image::Plane;
+use chiaro_image::codec::{self, Limits};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// What lines are drawn over.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Over {
+    /// The background alone.
+    #[default]
+    Nothing,
+    /// Black and white regions by the style's own knobs.
+    Binary,
+    /// A picture a frame, or one for all.
+    Pictures(Target),
+}
+
+impl Over {
+    /// Reads `--over`, or a style's `over`: `nothing`, `binary`, a picture, or a pattern of pictures.
+    pub fn parse(text: &str) -> Result<Self> {
+        match text {
+            "nothing" => Ok(Self::Nothing),
+            "binary" => Ok(Self::Binary),
+            path if path.contains('#') || Path::new(path).extension().is_some() => {
+                let path = PathBuf::from(path);
+                let pattern = path.to_string_lossy().contains('#');
+                Ok(Self::Pictures(if pattern {
+                    Target::Pattern(path)
+                } else {
+                    Target::Single(path)
+                }))
+            }
+            other => Err(Error::setting(
+                "--over",
+                other,
+                "nothing, binary, a picture, or a pattern of pictures such as frames/####.png",
+            )),
+        }
+    }
+
+    /// The picture of a frame from its file, in a `size`.
+    pub(super) fn picture(&self, number: u32, size: (usize, usize)) -> Result<Option<Beneath>> {
+        let Self::Pictures(target) = self else { return Ok(None) };
+        let path = target.file(number);
+        let name = path.display().to_string();
+        let picture = codec::read_picture(&disk::read(&path)?, &name, &Limits::default())?;
+        if picture.size() != size {
+            let ((w, h), (x, y)) = (picture.size(), size);
+            let why =
+                format!("is {w} x {h} pixels and the lines are {x} x {y}; give --size {w}x{h}");
+            return Err(Error::input(name, "", why));
+        }
+        Ok(Some(Beneath::of(&picture)))
+    }
+}
+
+/// A picture, sRGB-encoded, opacity apart.
+pub(crate) type Plate = Plane<[f32; 4]>;
+
+/// A picture under lines.
+#[derive(Clone, Debug)]
+pub(crate) struct Beneath(pub(crate) Plate);
+
+impl Beneath {
+    pub(crate) fn of(picture: &Plane<[u8; 4]>) -> Self {
+        Self(picture.map(|p| p.map(|v| f32::from(v) / 255.0)))
+    }
+}
+
+/// The binary shading under the lines of a job: same scene, same view.
+pub(super) struct Regions<'a> {
+    look: binary::Look<'a>,
+    shot: binary::Shot<'a>,
+}
+
+impl<'a> Regions<'a> {
+    /// Surveys the shot.
+    pub(super) fn survey(
+        project: &'a Project,
+        (style, knobs): (&'a Style, &'a BinaryKnobs),
+        colours: Colours,
+        run: &Run,
+    ) -> Result<Self> {
+        let look = binary::Look { style, knobs, colours, ..binary::Look::of(style) };
+        Ok(Self { look, shot: binary::Shot::survey(project, knobs, run)? })
+    }
+
+    /// What decides the regions, for recipes.
+    pub(super) fn settings(&self) -> Map<String, Value> {
+        let mut s = self.shot.view_settings();
+        s.extend(self.look.settings(&self.shot.exposure, Encoding::Png));
+        s
+    }
+
+    /// Draws the frames `numbers` one after the other.
+    pub(super) fn shoot(
+        &self,
+        numbers: &[u32],
+        deliver: &mut dyn FnMut(u32, Beneath) -> Result<()>,
+        run: &Run,
+    ) -> Result<Map<String, Value>> {
+        let colours = &self.look.colours;
+        let mut hand_over = |number: u32, picture: binary::Picture| {
+            deliver(number, Beneath::of(&picture.coloured(colours)))
+        };
+        binary::shoot(&self.shot, colours, numbers, &mut hand_over, run)
+    }
+}
+
+impl Over {
+    /// For recipes: not where pictures lie, but what they are.
+    pub(super) fn settings(&self, number: u32) -> Value {
+        match self {
+            Self::Nothing => json!("nothing"),
+            Self::Binary => json!("binary"),
+            Self::Pictures(target) => {
+                let hash = |bytes: Vec<u8>| crate::write::sha256(&bytes);
+                json!({ "picture_sha256": disk::read(&target.file(number)).ok().map(hash) })
+            }
+        }
+    }
+}

@@ -1,0 +1,379 @@
+//! [`LineStyle`]: what lines look like: which are drawn, with what brush, by line type and object.
+//!
+//! A style file has a table `[lines]` of the knobs of lines, a table `[stroke]` of the brush that
+//! draws them all, tables such as `[stroke.crease]` and `[stroke.hidden]` with what is different for
+//! a line type or for hidden lines, and any number of `[[rule]]` for lines of certain objects,
+//! materials or types; later ones win.
+
+use crate::disk;
+use crate::write;
+use chiaro_basis::{Error, Knobs, Result, nearest};
+use chiaro_image::codec::{self, Limits};
+use chiaro_ink::brush::{Brush, Grain, Mark, Texture};
+use chiaro_lines::{Hidden, Kind, LinesKnobs};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What lines look like.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LineStyle {
+    /// Which lines there are.
+    pub knobs: LinesKnobs,
+    /// What draws them.
+    pub brush: Brush,
+    /// What is different for some, later ones winning.
+    rules: Vec<Rule>,
+    /// Pictures of strokes by the names that brushes have for them.
+    textures: BTreeMap<String, Arc<Loaded>>,
+}
+
+/// A brush's picture, and the hash of its file.
+#[derive(Clone, Debug, PartialEq)]
+struct Loaded {
+    texture: Texture,
+    sha256: String,
+}
+
+/// What is different for some lines.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Rule {
+    kind: Option<Kind>,
+    hidden: bool,
+    object: Option<String>,
+    material: Option<String>,
+    sets: Vec<(String, String)>,
+}
+
+/// A line, as rules see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Subject<'a> {
+    pub(crate) kind: Kind,
+    pub(crate) visible: bool,
+    pub(crate) object: &'a str,
+    pub(crate) material: &'a str,
+}
+
+impl LineStyle {
+    /// Reads the table `[lines]`.
+    pub(crate) fn read_knobs(&mut self, file: &str, table: &toml::Table) -> Result<()> {
+        for (key, value) in table {
+            let fail = |e: Error| Error::input(file, format!("[lines] {key}"), e.to_string());
+            self.knobs.set(key, &text_of(value)).map_err(fail)?;
+        }
+        Ok(())
+    }
+
+    /// Reads the table `[stroke]` and those within.
+    pub(crate) fn read_stroke(&mut self, file: &str, table: &toml::Table) -> Result<()> {
+        for (key, value) in table {
+            match value {
+                toml::Value::Table(inner) => {
+                    let place = format!("[stroke.{key}]");
+                    let mut rule = Self::rule_for(key)
+                        .ok_or_else(|| Error::input(file, &place, no_type(key)))?;
+                    rule.read(file, &place, inner)?;
+                    self.rules.push(rule);
+                }
+                _ => set_brush(&mut self.brush, file, "[stroke]", (key, value))?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the tables `[[rule]]`.
+    pub(crate) fn read_rules(&mut self, file: &str, rules: &[toml::Value]) -> Result<()> {
+        for (i, value) in rules.iter().enumerate() {
+            let place = format!("[[rule]] {}", i + 1);
+            let toml::Value::Table(table) = value else {
+                return Err(Error::input(file, place, "is no table; write [[rule]] above it"));
+            };
+            let mut rule = Rule::default();
+            let mut rest = toml::Table::new();
+            for (key, value) in table {
+                let text = text_of(value);
+                match key.as_str() {
+                    "type" if text == "hidden" => rule.hidden = true,
+                    "type" => {
+                        let kind = kind_of(&text);
+                        rule.kind =
+                            Some(kind.ok_or_else(|| Error::input(file, &place, no_type(&text)))?);
+                    }
+                    "object" => rule.object = Some(text),
+                    "material" => rule.material = Some(text),
+                    _ => drop(rest.insert(key.clone(), value.clone())),
+                }
+            }
+            rule.read(file, &place, &rest)?;
+            self.rules.push(rule);
+        }
+        Ok(())
+    }
+
+    /// A rule for a line type, or for hidden lines.
+    fn rule_for(name: &str) -> Option<Rule> {
+        match name {
+            "hidden" => Some(Rule { hidden: true, ..Rule::default() }),
+            _ => kind_of(name).map(|kind| Rule { kind: Some(kind), ..Rule::default() }),
+        }
+    }
+
+    /// Loads the pictures that brushes name, beside the style's file.
+    pub(crate) fn load_textures(&mut self, folder: &Path) -> Result<()> {
+        let of_rules = self.rules.iter().flat_map(|r| &r.sets).filter(|(k, _)| k == "texture");
+        let names = of_rules.map(|(_, v)| v.clone()).chain([self.brush.texture.clone()]);
+        for name in names.filter(|n| !n.is_empty()).collect::<Vec<_>>() {
+            let path = folder.join(&name);
+            let shown = path.display().to_string();
+            let bytes = disk::read(&path)?;
+            let picture = codec::read_picture(&bytes, &shown, &Limits::default())?;
+            let loaded = Loaded { texture: Texture::of(&picture), sha256: write::sha256(&bytes) };
+            self.textures.insert(name, Arc::new(loaded));
+        }
+        Ok(())
+    }
+
+    /// Sets a knob of lines or of their brush, or, as in `crease.width`, of that for a line type or
+    /// for hidden lines.
+    pub fn set(&mut self, text: &str) -> Result<()> {
+        let (key, value) = text
+            .split_once('=')
+            .ok_or_else(|| Error::setting("--set", text, "a knob and its value, as in width=3"))?;
+        let (key, value) = (key.trim(), value.trim());
+        if let Some((name, key)) = key.split_once('.') {
+            let mut rule =
+                Self::rule_for(name).ok_or_else(|| Error::setting("--set", text, no_type(name)))?;
+            Brush::default().set(key, value)?;
+            rule.sets.push((key.into(), value.into()));
+            self.rules.push(rule);
+            return Ok(());
+        }
+        let names = |table: &'static [chiaro_basis::Knob]| table.iter().map(|k| k.name);
+        if names(LinesKnobs::table()).any(|n| n == key) {
+            return self.knobs.set(key, value);
+        }
+        if names(Brush::table()).any(|n| n == key) {
+            return self.brush.set(key, value);
+        }
+        let near = nearest(key, names(LinesKnobs::table()).chain(names(Brush::table())));
+        let hint = near.map(|n| format!("; did you mean {n}?")).unwrap_or_default();
+        Err(Error::setting(key, value, format!("a known knob{hint}")))
+    }
+
+    /// The brush for a line.
+    pub(crate) fn brush_for(&self, subject: &Subject<'_>) -> Brush {
+        let mut brush = self.brush.clone();
+        if !subject.visible && self.knobs.hidden == Hidden::Dashed {
+            let (mark, grain) = (Mark::Dashes, Grain::Solid);
+            let (width, spacing) = (0.7 * brush.width.min(3.0), 10.0);
+            brush = Brush {
+                mark,
+                grain,
+                width,
+                spacing,
+                dash: 0.5,
+                jitter: 0.0,
+                taper: 0.0,
+                repeat: 1,
+                ..brush
+            };
+        }
+        for rule in self.rules.iter().filter(|r| r.holds(subject)) {
+            for (key, value) in &rule.sets {
+                brush.set(key, value).expect("rules were checked as they were read");
+            }
+        }
+        brush
+    }
+
+    /// The picture of a brush.
+    pub(crate) fn texture(&self, brush: &Brush) -> Option<&Texture> {
+        self.textures.get(&brush.texture).map(|t| &t.texture)
+    }
+
+    /// For recipes.
+    pub(crate) fn settings(&self) -> Map<String, Value> {
+        let mut s: Map<String, Value> = crate::record::knob_settings(&self.knobs).collect();
+        s.insert("stroke".into(), brush_settings(&self.brush));
+        s.insert("rules".into(), self.rules.iter().map(Rule::settings).collect());
+        let hashes = self.textures.iter().map(|(name, t)| (name.clone(), t.sha256.clone().into()));
+        s.insert("textures".into(), Value::Object(hashes.collect()));
+        s
+    }
+
+    /// The tables of a style file.
+    pub(crate) fn to_toml(&self) -> String {
+        let mut text = String::from("\n[lines]\n");
+        text += &crate::style::knob_lines(&self.knobs);
+        text += "\n[stroke]\n";
+        text += &crate::style::knob_lines(&self.brush);
+        for rule in &self.rules {
+            rule.write(&mut text);
+        }
+        text
+    }
+}
+
+impl Rule {
+    fn read(&mut self, file: &str, place: &str, table: &toml::Table) -> Result<()> {
+        for (key, value) in table {
+            set_brush(&mut Brush::default(), file, place, (key, value))?;
+            self.sets.push((key.clone(), text_of(value)));
+        }
+        Ok(())
+    }
+
+    fn holds(&self, subject: &Subject<'_>) -> bool {
+        let fits = |pattern: &Option<String>, name: &str| {
+            pattern.as_deref().is_none_or(|p| matches(p, name))
+        };
+        self.kind.is_none_or(|k| k == subject.kind)
+            && (!self.hidden || !subject.visible)
+            && fits(&self.object, subject.object)
+            && fits(&self.material, subject.material)
+    }
+
+    fn settings(&self) -> Value {
+        json!({
+            "type": self.kind.map(Kind::name), "hidden": self.hidden, "object": self.object,
+            "material": self.material, "sets": self.sets,
+        })
+    }
+
+    fn write(&self, text: &mut String) {
+        let named = match (self.kind, self.hidden) {
+            (Some(kind), _) => Some(kind.name()),
+            (None, true) => Some("hidden"),
+            (None, false) => None,
+        };
+        let of_type = self.object.is_none() && self.material.is_none();
+        let heading = named.filter(|_| of_type).map(|name| format!("[stroke.{name}]"));
+        let conditions = [
+            ("type", named.filter(|_| heading.is_none())),
+            ("object", self.object.as_deref()),
+            ("material", self.material.as_deref()),
+        ];
+        let conditions = conditions.into_iter().filter_map(|(k, v)| Some((k, v?)));
+        let sets = self.sets.iter().map(|(k, v)| (k.as_str(), v.as_str()));
+        let _ = writeln!(text, "\n{}", heading.as_deref().unwrap_or("[[rule]]"));
+        for (key, value) in conditions.chain(sets) {
+            let _ = writeln!(text, "{key} = {}", toml::Value::String(value.into()));
+        }
+    }
+}
+
+/// A brush, for recipes and documents.
+pub(crate) fn brush_settings(brush: &Brush) -> Value {
+    Value::Object(crate::record::knob_settings(brush).collect())
+}
+
+fn set_brush(
+    brush: &mut Brush,
+    file: &str,
+    place: &str,
+    (key, value): (&String, &toml::Value),
+) -> Result<()> {
+    let fail = |e: Error| Error::input(file, format!("{place} {key}"), e.to_string());
+    brush.set(key, &text_of(value)).map_err(fail)
+}
+
+fn text_of(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(s) => s.clone(),
+        other => other.to_string(),
+    }
+}
+
+fn kind_of(name: &str) -> Option<Kind> {
+    Kind::ALL.into_iter().find(|k| k.name() == name)
+}
+
+fn no_type(name: &str) -> String {
+    let known = Kind::ALL.map(Kind::name).into_iter().chain(["hidden"]);
+    let hint = nearest(name, known.clone()).map(|n| format!("; did you mean {n}?"));
+    let known: Vec<&str> = known.collect();
+    format!("{name} is no type of line: one of {}{}", known.join(", "), hint.unwrap_or_default())
+}
+
+/// Whether a name fits a pattern in which `*` stands for anything; case does not matter.
+fn matches(pattern: &str, name: &str) -> bool {
+    let (pattern, name) = (pattern.to_lowercase(), name.to_lowercase());
+    let mut parts = pattern.split('*');
+    let Some(mut rest) = parts.next().and_then(|first| name.strip_prefix(first)) else {
+        return false;
+    };
+    let parts: Vec<&str> = parts.collect();
+    let Some((last, inner)) = parts.split_last() else { return rest.is_empty() };
+    for part in inner {
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn style(text: &str) -> Result<LineStyle> {
+        let table: toml::Table = text.parse().unwrap();
+        let mut style = LineStyle::default();
+        for (key, value) in &table {
+            match (key.as_str(), value) {
+                ("stroke", toml::Value::Table(t)) => style.read_stroke("a.toml", t)?,
+                ("rule", toml::Value::Array(rules)) => style.read_rules("a.toml", rules)?,
+                _ => {}
+            }
+        }
+        Ok(style)
+    }
+
+    #[test]
+    fn rules_hold_by_type_object_and_material() {
+        let style = style(
+            "[stroke]\nwidth = 3\n[stroke.crease]\nwidth = 1\n[stroke.hidden]\nmark = \"dots\"\n\
+             [[rule]]\nobject = \"hat*\"\ntype = \"crease\"\nwidth = 7\n\
+             [[rule]]\nmaterial = \"*wool\"\nmark = \"fur\"\n",
+        )
+        .unwrap();
+        let brush = |kind, visible, object, material| {
+            style.brush_for(&Subject { kind, visible, object, material })
+        };
+        assert_eq!(brush(Kind::Silhouette, true, "Hat 1", "felt").width, 3.0);
+        assert_eq!(brush(Kind::Crease, true, "cup", "felt").width, 1.0);
+        assert_eq!(brush(Kind::Crease, true, "Hat 1", "felt").width, 7.0);
+        assert_eq!(brush(Kind::Crease, false, "cup", "felt").mark, Mark::Dots);
+        assert_eq!(brush(Kind::Border, true, "cup", "red wool").mark, Mark::Fur);
+    }
+
+    #[test]
+    fn wrong_tables_name_file_place_and_remedy() {
+        let error = style("[stroke.crese]\nwidth = 1").unwrap_err().to_string();
+        assert!(error.contains("a.toml") && error.contains("did you mean crease?"), "{error}");
+        let error = style("[stroke.crease]\nwidht = 1").unwrap_err().to_string();
+        assert!(
+            error.contains("[stroke.crease]") && error.contains("did you mean width?"),
+            "{error}"
+        );
+        let error = LineStyle::default().set("presure=1").unwrap_err().to_string();
+        assert!(error.contains("did you mean pressure?"), "{error}");
+    }
+
+    #[test]
+    fn stars_stand_for_anything() {
+        for (pattern, name, fits) in [
+            ("hat", "Hat", true),
+            ("hat", "hats", false),
+            ("hat*", "hats", true),
+            ("*a*b", "xaxxb", true),
+            ("*a*b", "xbxxa", false),
+            ("*", "", true),
+        ] {
+            assert_eq!(matches(pattern, name), fits, "{pattern} {name}");
+        }
+    }
+}
