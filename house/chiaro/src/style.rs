@@ -38,7 +38,7 @@ struct Parts {
 }
 
 /// The styles that ship with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 12] = [
+pub const BUILT_IN: [(&str, &str); 23] = [
     ("ink", include_str!("../styles/ink.toml")),
     ("brush", include_str!("../styles/brush.toml")),
     ("etched", include_str!("../styles/etched.toml")),
@@ -51,6 +51,17 @@ pub const BUILT_IN: [(&str, &str); 12] = [
     ("pen", include_str!("../styles/pen.toml")),
     ("shadow", include_str!("../styles/shadow.toml")),
     ("lino", include_str!("../styles/lino.toml")),
+    ("charcoal", include_str!("../styles/charcoal.toml")),
+    ("pencil", include_str!("../styles/pencil.toml")),
+    ("chalk", include_str!("../styles/chalk.toml")),
+    ("wash", include_str!("../styles/wash.toml")),
+    ("calligraphy", include_str!("../styles/calligraphy.toml")),
+    ("dashes", include_str!("../styles/dashes.toml")),
+    ("dots", include_str!("../styles/dots.toml")),
+    ("thorns", include_str!("../styles/thorns.toml")),
+    ("fur", include_str!("../styles/fur.toml")),
+    ("double", include_str!("../styles/double.toml")),
+    ("comic", include_str!("../styles/comic.toml")),
 ];
 
 impl Style {

@@ -51,8 +51,8 @@ impl Inking<'_> {
         let missing = match b.grain {
             Grain::Solid => 0.0,
             Grain::Bristle => self.dry(axis, place, size),
-            Grain::Charcoal => self.specks(axis, place, size, 0.55),
-            Grain::Pencil => self.specks(axis, place, size, 0.8),
+            Grain::Charcoal => self.specks(axis, place, size, 0.6),
+            Grain::Pencil => self.specks(axis, place, size, 0.66),
             Grain::Wash => {
                 let rim = (place.across.abs() / place.half.max(1e-3)).clamp(0.0, 1.0);
                 let pool = cloud_on(axis, 95, place.u, 9.0 * size, 0.0);
@@ -75,14 +75,15 @@ impl Inking<'_> {
         step(0.62 + 0.25 * wet - 0.22 * rim, 0.12, streak)
     }
 
-    /// Specks of paper that the stroke leaves free; more of them towards its edges.
+    /// Specks of paper that the stroke leaves free: more of them towards its edges, and where the
+    /// hand is light for a while.
     fn specks(&self, axis: &Axis, place: &Place, size: f64, held: f32) -> f32 {
         let y = f64::from(place.across) / size;
-        let coarse = cloud_on(axis, 97, place.u, 2.2 * size, 0.45 * y);
+        let coarse = cloud_on(axis, 97, place.u, 2.4 * size, 0.5 * y);
         let fine = cloud_on(axis, 98, place.u, size, y);
-        let grain = 0.4 * coarse + 0.6 * fine;
+        let light = axis.wave(place.u, 0.7 * f64::from(self.brush.pressure_length), 99);
         let rim = (place.across / place.half.max(1e-3)).powi(2).min(1.0);
-        step(held - 0.28 * rim, 0.16, grain)
+        step(held - 0.06 * light - 0.3 * rim, 0.22, 0.35 * coarse + 0.65 * fine)
     }
 
     fn picture(&self, axis: &Axis, place: &Place) -> f32 {

@@ -87,6 +87,7 @@ knobs! {
         shade_angle: f32 = 125.0, Number { min: -360.0, max: 360.0 }, "", "degrees", "where the light of shade is, counter-clockwise from the right";
         nib: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "how flat the nib is: 1 draws nothing along its edge";
         nib_angle: f32 = 40.0, Number { min: -180.0, max: 180.0 }, "", "degrees", "how the nib is held";
+        slender: f32 = 5.0, Number { min: 0.0, max: 100.0 }, "", "", "a short stroke is at least this many times as long as it is wide";
         cap: Cap = Cap::Round, Choice(Cap::WORDS), "", "", "how lines end";
 
         smooth: f32 = 2.0, Number { min: 0.0, max: 100.0 }, "", "px", "over which lines are smoothed, corners kept";

@@ -113,7 +113,7 @@ impl Placing<'_> {
 
     /// One dash with the pressure of the stroke and tapers of its own.
     fn dash(&self, piece: &Spine) -> Ribbon {
-        let own = Hand::new(self.brush, piece);
+        let own = self.hand.on(piece);
         let ribs = piece.knots.iter().enumerate().map(|(i, k)| Rib::on(*k, own.half(i)));
         self.ribbon(ribs.collect(), false)
     }

@@ -17,6 +17,8 @@ pub(super) struct Hand<'a> {
     lengths: Vec<f32>,
     /// Lengths of the tapers at both ends.
     tapers: [f32; 2],
+    /// Of the width, on a short stroke.
+    short: f32,
 }
 
 impl<'a> Hand<'a> {
@@ -26,7 +28,16 @@ impl<'a> Hand<'a> {
         let wanted = [brush.taper, brush.taper * brush.taper_end];
         let fits = (TAPERED * total / (wanted[0] + wanted[1]).max(1e-6)).min(1.0);
         let tapers = if spine.closed { [0.0; 2] } else { wanted.map(|t| t * fits) };
-        Self { brush, spine, lengths, tapers }
+        let short = (total / (brush.slender * brush.width).max(1e-6)).min(1.0);
+        Self { brush, spine, lengths, tapers, short }
+    }
+
+    /// The same hand on a piece of its spine, with tapers of the piece's own.
+    pub(super) fn on<'b>(&self, piece: &'b Spine) -> Hand<'b>
+    where
+        'a: 'b,
+    {
+        Hand { short: self.short, ..Hand::new(self.brush, piece) }
     }
 
     /// The whole length in pixels.
@@ -42,7 +53,8 @@ impl<'a> Hand<'a> {
     /// The same for any point: its u, its length from the start, and the direction there.
     pub(super) fn half_at(&self, u: f64, length: f32, tangent: Vec2) -> f32 {
         let b = self.brush;
-        0.5 * b.width
+        0.5 * self.short
+            * b.width
             * self.pressure(u)
             * self.ends(length)
             * self.light(tangent)
