@@ -136,7 +136,7 @@ impl Placing<'_> {
         let first = (start / cell).ceil() as i64;
         let last = (end / cell).ceil() as i64;
         let before = if self.spine.closed { 0 } else { before };
-        first - before..last.min(first + MOST)
+        first.saturating_sub(before)..last.min(first.saturating_add(MOST))
     }
 
     fn spots(&self) -> Vec<Spot> {

@@ -43,7 +43,12 @@ impl Axis {
         let x = u / lattice.cell;
         let (i, t) = (x.floor() as i64, (x - x.floor()) as f32);
         let value = |k: i64| self.at(lattice.index(k), channel);
-        let (a, b, c, d) = (value(i - 1), value(i), value(i + 1), value(i + 2));
+        let (a, b, c, d) = (
+            value(i.wrapping_sub(1)),
+            value(i),
+            value(i.wrapping_add(1)),
+            value(i.wrapping_add(2)),
+        );
         (1.15 * spline([a, b, c, d], t)).clamp(-1.0, 1.0)
     }
 
@@ -80,6 +85,7 @@ fn spline([a, b, c, d]: [f32; 4], t: f32) -> f32 {
 /// Noise in [0, 1] over a plane, `x` and `y` in cells; `count` cells along x come again.
 pub(super) fn cloud(seed: u64, x: f64, y: f64, count: Option<i64>) -> f32 {
     let (i, j) = (x.floor() as i64, y.floor() as i64);
+    let (next, below) = (i.wrapping_add(1), j.wrapping_add(1));
     let ease = |t: f64| (t * t * (3.0 - 2.0 * t)) as f32;
     let (s, t) = (ease(x - x.floor()), ease(y - y.floor()));
     let value = |i: i64, j: i64| {
@@ -87,7 +93,7 @@ pub(super) fn cloud(seed: u64, x: f64, y: f64, count: Option<i64>) -> f32 {
         unit(seed, (i as u64).wrapping_mul(0x1_0000_0001).wrapping_add((j as u64) << 17))
     };
     let (top, bottom) =
-        (mix(value(i, j), value(i + 1, j), s), mix(value(i, j + 1), value(i + 1, j + 1), s));
+        (mix(value(i, j), value(next, j), s), mix(value(i, below), value(next, below), s));
     mix(top, bottom, t)
 }
 
