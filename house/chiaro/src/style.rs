@@ -103,7 +103,9 @@ impl Style {
             colours: [const { None }; 3],
             parts: Parts::default(),
         };
-        for (key, value) in &table {
+        // Rules come after what they change.
+        let (rules, others): (Vec<_>, Vec<_>) = table.iter().partition(|(key, _)| *key == "rule");
+        for (key, value) in others.into_iter().chain(rules) {
             style.read(key, value)?;
         }
         style.lines.load_textures(folder)?;

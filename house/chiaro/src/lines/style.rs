@@ -68,7 +68,10 @@ impl LineStyle {
 
     /// Reads the table `[stroke]` and those within.
     pub(crate) fn read_stroke(&mut self, file: &str, table: &toml::Table) -> Result<()> {
-        for (key, value) in table {
+        // Hidden lines of every type come last.
+        let (hidden, others): (Vec<_>, Vec<_>) =
+            table.iter().partition(|(key, _)| *key == "hidden");
+        for (key, value) in others.into_iter().chain(hidden) {
             match value {
                 toml::Value::Table(inner) => {
                     let place = format!("[stroke.{key}]");
@@ -322,12 +325,11 @@ mod tests {
     fn style(text: &str) -> Result<LineStyle> {
         let table: toml::Table = text.parse().unwrap();
         let mut style = LineStyle::default();
-        for (key, value) in &table {
-            match (key.as_str(), value) {
-                ("stroke", toml::Value::Table(t)) => style.read_stroke("a.toml", t)?,
-                ("rule", toml::Value::Array(rules)) => style.read_rules("a.toml", rules)?,
-                _ => {}
-            }
+        if let Some(toml::Value::Table(stroke)) = table.get("stroke") {
+            style.read_stroke("a.toml", stroke)?;
+        }
+        if let Some(toml::Value::Array(rules)) = table.get("rule") {
+            style.read_rules("a.toml", rules)?;
         }
         Ok(style)
     }
