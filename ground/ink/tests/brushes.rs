@@ -10,7 +10,7 @@ const WHITE: [f32; 4] = [1.0; 4];
 
 fn brush(sets: &[(&str, &str)]) -> Brush {
     let mut brush = Brush { smooth: 0.0, slender: 0.0, ..Brush::default() };
-    sets.iter().for_each(|(k, v)| brush.set(k, v).unwrap());
+    sets.iter().for_each(|(k, v)| brush.set(k, v).expect("a knob of brushes"));
     brush
 }
 
@@ -188,7 +188,7 @@ fn the_picture_does_not_depend_on_threads() {
     let lines: Vec<Spine> = (1..9).map(|i| ring(6.0 * i as f32, i)).collect();
     let strokes: Vec<(&Spine, &Brush)> = lines.iter().zip(brushes.iter().cycle()).collect();
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| draw(&strokes, (130, 125)))
     };
     assert_eq!(with(1), with(3));
