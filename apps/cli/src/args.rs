@@ -124,10 +124,10 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1, 4.2, 4.4, 4.5, 4.lines, baselines, flicker; none
-        /// means all but the last.
+        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1, 4.2, 4.4, 4.5 to 4.12, 4.lines, baselines, flicker, methods;
+        /// none means all but the last two.
         names: Vec<String>,
-        /// A scene for baselines and flicker, which lay methods side by side; may be repeated.
+        /// A scene for baselines, flicker and methods, which lay ways side by side; may be repeated.
         #[arg(long = "scene", value_name = "SCENE")]
         scenes: Vec<String>,
         /// Folder for the sheets and index.html.
@@ -293,6 +293,9 @@ pub(crate) fn colour(option: &str, text: &str) -> Result<[f32; 4]> {
 /// How lines are drawn.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct MarksArgs {
+    /// How lines are parameterized: global, or a baseline: propagate, diffuse or arclength.
+    #[arg(long, value_name = "HOW")]
+    pub(crate) method: Option<String>,
     /// A named style of lines, or a TOML file.
     #[arg(long, value_name = "NAME|FILE", default_value = "pen")]
     pub(crate) style: String,

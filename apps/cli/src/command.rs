@@ -58,6 +58,9 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let style = Style::of_lines(&marks.style)?;
             let mut look = lines::Look::of(&style)?;
             marks.sets.iter().try_for_each(|text| look.set(text))?;
+            if let Some(method) = &marks.method {
+                look.lines.knobs.set("method", method)?;
+            }
             if let Some(hidden) = &marks.hidden {
                 look.lines.knobs.set("hidden", hidden)?;
             }

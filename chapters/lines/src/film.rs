@@ -170,6 +170,15 @@ impl Film {
     }
 }
 
+impl Film {
+    /// Finds the strokes of events again, after ids changed.
+    pub(crate) fn settle_events(&mut self) {
+        for event in &mut self.events {
+            event.strokes = taking_part(event, &self.frames);
+        }
+    }
+}
+
 impl Reel<'_> {
     /// The surface of the shot, refined as the knobs ask and `more` times more; `None` where some
     /// mesh is made anew in every frame.

@@ -18,6 +18,60 @@ choice! {
     }
 }
 
+choice! {
+    /// How lines are parameterized.
+    pub enum Method {
+        /// Once over the film (4.6).
+        #[default]
+        Global = "global",
+        /// From frame to frame, by votes (Kalnins et al. 2003).
+        Propagate = "propagate",
+        /// From frame to frame, by diffusion (4.9).
+        Diffuse = "diffuse",
+        /// Every frame by itself.
+        Arclength = "arclength",
+    }
+}
+
+choice! {
+    /// What textures do on lines whose length changes.
+    pub enum Texture {
+        /// They repeat (4.11).
+        #[default]
+        Periodic = "periodic",
+        /// They stretch to cover the line (4.8, 4.10).
+        Stretched = "stretched",
+    }
+}
+
+choice! {
+    /// How lines that merge and split are kept apart.
+    pub enum Cuts {
+        /// A robust solve finds what contradicts; lines are cut there into charts.
+        #[default]
+        Charts = "charts",
+        /// The same, but links are dropped and lines stay whole.
+        Links = "links",
+        /// At every merger and split, paired within the sliding limit.
+        Events = "events",
+        /// At every merger and split, each to the end of its line's life.
+        Unpaired = "unpaired",
+        /// Not at all.
+        None = "none",
+    }
+}
+
+choice! {
+    /// How a sample finds its place one frame later.
+    pub enum Links {
+        /// By its material point's projection.
+        #[default]
+        Projected = "projected",
+        /// Along the space-time surface, where there is one.
+        Swept = "swept",
+    }
+}
+
 knobs! {
     /// Which lines are found, and how they are tracked.
     pub struct LinesKnobs {
@@ -52,5 +106,17 @@ knobs! {
         prune: f32 = 24.0, Number { min: 0.0, max: 1000.0 }, "", "px", "closed silhouettes that never grow longer than this are dropped, hidden parts counted";
         hidden: Hidden = Hidden::Drop, Choice(Hidden::WORDS), "", "", "what becomes of hidden lines";
         margin: f32 = 24.0, Number { min: 0.0, max: 1000.0 }, "", "px", "lines are followed this far out of the picture";
+
+        method: Method = Method::Global, Choice(Method::WORDS), "", "", "how lines are parameterized";
+        texture: Texture = Texture::Periodic, Choice(Texture::WORDS), "(4.10), (4.11)", "", "whether textures repeat or stretch";
+        coherence: f32 = 0.7, Number { min: 0.0, max: 1.0 }, "", "", "0: textures spread evenly, 1: they follow the surface";
+        pattern_length: f32 = 24.0, Number { min: 1.0, max: 10000.0 }, "a", "px", "pixels a unit of u of repeated textures";
+        sliding_limit: f32 = 8.0, Number { min: 0.5, max: 1000.0 }, "sigma", "px", "disagreement from which lines are kept apart";
+        cuts: Cuts = Cuts::Charts, Choice(Cuts::WORDS), "(4.7)", "", "how lines that merge and split are kept apart";
+        links: Links = Links::Projected, Choice(Links::WORDS), "(4.7)", "", "how a sample finds its place one frame later";
+        octaves: bool = false, Switch, "", "", "repeated textures grow with the zoom, to be redrawn at twice or half their size";
+        w_projection: f32 = 0.0, Number { min: 0.0, max: 1e4 }, "w_proj", "1/px^2", "weight of following the surface; 0: by coherence";
+        w_distortion: f32 = 1.0, Number { min: 1e-3, max: 1e4 }, "w_dis", "", "weight of spreading evenly";
+        w_end: f32 = 0.3, Number { min: 0.0, max: 1e4 }, "w_end", "1/px^2", "weight of stretched textures ending where lines do";
     }
 }

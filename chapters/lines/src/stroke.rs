@@ -29,6 +29,8 @@ pub struct Sample {
     pub next_at: Option<DVec2>,
     /// Where on its chain: index of a crossing or vertex, and the share of the way to the next.
     pub on_chain: f64,
+    /// Unit normal of the surface, or zero.
+    pub normal: DVec3,
 }
 
 /// What a line belongs to.
@@ -68,6 +70,24 @@ pub struct Stroke {
     pub pixels_per_u: f64,
 }
 
+impl Sample {
+    /// The sample a share of the way to another one.
+    pub fn toward(&self, other: &Self, t: f64) -> Self {
+        let both = |p: Option<DVec2>, q: Option<DVec2>| p.zip(q).map(|(p, q)| p.lerp(q, t));
+        // Past a chain's last element counting begins anew.
+        let ahead = if other.on_chain >= self.on_chain { other.on_chain } else { self.on_chain };
+        Self {
+            at: self.at.lerp(other.at, t),
+            depth: self.depth + (other.depth - self.depth) * t,
+            world: self.world.lerp(other.world, t),
+            next_world: self.next_world.zip(other.next_world).map(|(p, q)| p.lerp(q, t)),
+            next_at: both(self.next_at, other.next_at),
+            on_chain: self.on_chain + (ahead - self.on_chain) * t,
+            normal: self.normal.lerp(other.normal, t).normalize_or_zero(),
+        }
+    }
+}
+
 impl Stroke {
     /// A run of a path. `next_view` is the camera one frame later.
     pub fn of(path: &Path, run: Run, step: f64, view: &View, next_view: Option<&View>) -> Self {
@@ -93,7 +113,8 @@ impl Stroke {
         stroke
     }
 
-    fn measure(&mut self) {
+    /// Measures it again after its samples changed; u is length from then on.
+    pub fn measure(&mut self) {
         let s = &self.samples;
         let around = self.closed.then(|| s[s.len() - 1].at.distance(s[0].at));
         let steps = s.windows(2).map(|p| p[0].at.distance(p[1].at)).chain(around);
@@ -106,6 +127,14 @@ impl Stroke {
             .collect();
         self.u = self.length.clone();
         self.u_period = self.closed.then_some(total);
+    }
+
+    /// Sets u (one value a sample, for closed strokes one more) in units of so many pixels.
+    pub fn set_u(&mut self, u: Vec<f64>, pixels_per_u: f64) {
+        assert!(u.len() == self.length.len(), "u has a value for every length");
+        self.u_period = self.closed.then(|| u[u.len() - 1] - u[0]);
+        self.u = u;
+        self.pixels_per_u = pixels_per_u;
     }
 
     /// Its length in pixels.
@@ -140,6 +169,7 @@ fn sample(path: &Path, place: Place, view: &View, next_view: Option<&View>) -> O
         next_world: point.next,
         next_at,
         on_chain: point.on_chain,
+        normal: (point.pushed - point.world).normalize_or_zero(),
     })
 }
 

@@ -54,31 +54,31 @@ pub(super) const FIGURES: [Figure; 5] = [
     },
 ];
 
-type Colour = [f32; 3];
-const BLACK: Colour = [0.0; 3];
-const GREY: Colour = [0.62; 3];
-const RED: Colour = [0.82, 0.16, 0.1];
+pub(super) type Colour = [f32; 3];
+pub(super) const BLACK: Colour = [0.0; 3];
+pub(super) const GREY: Colour = [0.62; 3];
+pub(super) const RED: Colour = [0.82, 0.16, 0.1];
 
 /// A picture under construction.
-struct Canvas(Plane<[f32; 3]>);
+pub(super) struct Canvas(Plane<[f32; 3]>);
 
 impl Canvas {
-    fn new(size: (usize, usize)) -> Self {
+    pub(super) fn new(size: (usize, usize)) -> Self {
         Self(Plane::filled(size.0, size.1, [1.0; 3]))
     }
 
-    fn lines(&mut self, lines: &[Polyline], width: f32, colour: Colour) {
+    pub(super) fn lines(&mut self, lines: &[Polyline], width: f32, colour: Colour) {
         let cover = draw(lines, self.0.size(), width);
         let over = |p: &[f32; 3], c: &f32| std::array::from_fn(|i| p[i] + (colour[i] - p[i]) * c);
         self.0 = self.0.zip(&cover, over).expect("both have the canvas's size");
     }
 
-    fn done(self) -> Plane<[u8; 3]> {
+    pub(super) fn done(self) -> Plane<[u8; 3]> {
         self.0.map(|p| p.map(chiaro_image::colour::to_byte))
     }
 }
 
-fn shot(
+pub(super) fn shot(
     scene: &str,
     frames: u32,
     size: (usize, usize),

@@ -6,7 +6,9 @@ mod chapter3;
 mod chapter4;
 mod comparisons;
 mod films;
+mod methods;
 mod plate;
+mod strokes;
 
 use crate::page::{self, Section};
 use crate::record::{Output, Record};
@@ -31,12 +33,15 @@ struct Figure {
 /// The figures, in the thesis's order.
 fn all() -> impl Iterator<Item = &'static Figure> {
     let chapter3 = chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES);
-    chapter3.chain(&chapter4::FIGURES)
+    chapter3.chain(&chapter4::FIGURES).chain(&strokes::FIGURES)
 }
 
 /// The figures that take scenes: every baseline beside ours, and the flicker of films.
 const BASELINES: &str = "baselines";
 const FLICKER: &str = "flicker";
+/// All ways to parameterize lines.
+const METHODS: &str = "methods";
+const TAKING: [&str; 3] = [BASELINES, FLICKER, METHODS];
 
 /// Scenes that those are drawn on when none is named.
 const BASELINE_SCENES: [&str; 3] = ["demo:head", "demo:bumpy-torus", "demo:rocks"];
@@ -48,7 +53,7 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     let mut record = Record::new("figures");
     let mut sections = Vec::new();
     let (taking, plain): (Vec<&String>, Vec<&String>) =
-        names.iter().partition(|n| [BASELINES, FLICKER].contains(&n.as_str()));
+        names.iter().partition(|n| TAKING.contains(&n.as_str()));
     let figures = match (names.is_empty(), scenes.is_empty()) {
         (true, true) => all().collect(),
         _ => chosen(&plain)?,
@@ -72,6 +77,9 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     }
     if named(FLICKER) {
         sections.push(flicker(scenes, folder, &mut record, run)?);
+    }
+    if named(METHODS) {
+        sections.push(methods(scenes, folder, &mut record, run)?);
     }
     let intro = "Figures of chapters 3 and 4 of Buchholz (2012), remade.";
     let html = page::html("Figures", intro, &sections);
@@ -127,10 +135,29 @@ fn flicker(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> 
     })
 }
 
+/// Slide over stretch of every way to parameterize lines, and the table in the record.
+fn methods(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> Result<Section> {
+    let scenes = some_or(scenes, &methods::SCENES);
+    let mut sheet = Sheet::new(2).title("methods");
+    let rows = methods::methods(&mut sheet, &scenes, run)?;
+    let file = "figure-methods.png".to_owned();
+    record.outputs.push(write_sheet(&folder.join(&file), &sheet, run)?);
+    record.count("methods", rows);
+    Ok(Section {
+        title: "Methods".into(),
+        text:
+            "Sliding (up, 95th percentile, logarithmic) and stretch (right) of textures. Red: the \
+               global solution over its coherence control; blue: propagation from frame to frame; \
+               green: diffusion; black: arc length. What touches the right side folds."
+                .into(),
+        pictures: vec![(file, "methods".into())],
+    })
+}
+
 fn chosen(names: &[&String]) -> Result<Vec<&'static Figure>> {
     let find = |name: &&String| {
         all().find(|f| f.name == name.as_str()).ok_or_else(|| {
-            let known: Vec<&str> = all().map(|f| f.name).chain([BASELINES, FLICKER]).collect();
+            let known: Vec<&str> = all().map(|f| f.name).chain(TAKING).collect();
             let hint = nearest(name, known.iter().copied());
             let hint = hint.map(|n| format!("; did you mean {n}?")).unwrap_or_default();
             Error::setting("figure", name, format!("one of {}{hint}", known.join(", ")))

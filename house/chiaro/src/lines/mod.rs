@@ -26,6 +26,7 @@ use chiaro_binary::BinaryKnobs;
 use chiaro_image::codec;
 use chiaro_image::colour::srgb_encode;
 use chiaro_lines::check::check;
+use chiaro_lines::parameter::{Solved, parameterize};
 use chiaro_lines::{Film, LinesKnobs, Reel, View};
 use chiaro_scene::Frame;
 use ready::Names;
@@ -123,17 +124,22 @@ pub struct Shot {
     pub film: Film,
     /// What objects are called.
     pub(crate) names: Names,
+    /// What their parameters took.
+    pub solved: Solved,
 }
 
 impl Shot {
-    /// Finds and tracks the lines of a project's shot.
+    /// Finds, tracks and parameterizes the lines of a project's shot.
     pub fn track(project: &Project, camera: Camera, knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         let numbers = project.shot();
-        let film = with_reel(project, &camera, |reel| Film::of(reel, knobs, run))?;
+        let mut film = with_reel(project, &camera, |reel| Film::of(reel, knobs, run))?;
+        let seconds = |n: &[u32]| f64::from(n[1].abs_diff(n[0])) / project.options.fps;
+        let spacing: Vec<f64> = numbers.windows(2).map(seconds).collect();
+        let solved = parameterize(&mut film, &spacing, knobs, run)?;
         for note in &film.notes {
             run.warn(note);
         }
-        Ok(Self { camera, numbers, film, names: names(project) })
+        Ok(Self { camera, numbers, film, solved, names: names(project) })
     }
 }
 
@@ -292,7 +298,14 @@ impl Writing<'_> {
 
 /// The measures of a shot, for the record.
 fn measures(shot: &Shot) -> Map<String, Value> {
-    counts(chiaro_lines::measure(&shot.film).named())
+    let mut named = chiaro_lines::measure(&shot.film).named();
+    named.extend(chiaro_lines::quality(&shot.film).named());
+    let solved = &shot.solved;
+    named.push(("unknowns", solved.unknowns as f64));
+    named.push(("links", solved.links as f64));
+    named.push(("cut_links", solved.cut as f64));
+    named.push(("mended_folds", solved.mended as f64));
+    counts(named)
 }
 
 fn counts(named: Vec<(&'static str, f64)>) -> Map<String, Value> {

@@ -1,0 +1,107 @@
+//! Sliding, stretch, folds and seconds of every method: rows L1 to L3.
+//!
+//! `cargo bench -p chiaro-lines --bench parameters` runs all; names choose scenes (bumpy-torus,
+//! peanut, head, and so on), `--degrees 6` how fast scenes that stand still are turned, `--frames N`
+//! the length, `--set key=value` any knob, `--coherence` a row for each of its values.
+
+#![allow(clippy::print_stdout)]
+
+use chiaro_basis::math::{Quat, Vec3};
+use chiaro_basis::{Knobs, Run};
+use chiaro_lines::parameter::{Parameters, Weights, parameterize};
+use chiaro_lines::{Film, LinesKnobs, Method, Reel, View, measure, quality};
+use chiaro_scene::{Choice, Pose, Poser, Projection, demo};
+use std::time::Instant;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let after = |word: &str| words.iter().position(|w| w == word).and_then(|i| words.get(i + 1));
+    let number = |word: &str, or: f32| after(word).and_then(|n| n.parse().ok()).unwrap_or(or);
+    let named: Vec<&str> =
+        words.iter().map(String::as_str).filter(|w| demo::names().contains(w)).collect();
+    let mut knobs = LinesKnobs::default();
+    for pair in words.windows(2).filter(|p| p[0] == "--set") {
+        let (key, value) = pair[1].split_once('=').expect("--set takes key=value");
+        knobs.set(key, value).expect("the knob is known");
+    }
+    let frames = number("--frames", 48.0) as usize;
+    let curve = words.iter().any(|w| w == "--coherence");
+    for name in if named.is_empty() { vec!["bumpy-torus"] } else { named } {
+        let found = film(name, frames, number("--degrees", 1.5), &knobs);
+        if curve { coherence(&found, &knobs) } else { methods(&found, &knobs) }
+    }
+}
+
+fn film(name: &str, frames: usize, degrees: f32, knobs: &LinesKnobs) -> Film {
+    let scene = demo::scene(name).expect("the scene is there");
+    let (playback, _) = scene.playback(&Choice::Auto).expect("clips play together");
+    let poser = Poser::new(&scene);
+    let bounds = poser.frame(0.0, &playback).bounds();
+    let still = scene.clips.is_empty() || degrees != 1.5;
+    let at = |i: usize| {
+        let frame = poser.frame(if still { 0.0 } else { i as f64 / 24.0 }, &playback);
+        let turn = if still { degrees.to_radians() * i as f32 } else { 0.0 };
+        let away = Quat::from_rotation_y(turn) * Vec3::new(1.0, 0.6, 2.0).normalize();
+        let from = bounds.centre() + away * 3.6 * bounds.radius();
+        let projection = Projection::Perspective { fov_y: 0.6 };
+        let pose = Pose::look_at(from, bounds.centre(), Vec3::Y, projection);
+        (frame, View::new(pose, (960, 540)))
+    };
+    let reel = Reel { scene: &scene, count: frames, at: &at };
+    println!("{name}, {frames} frames");
+    Film::of(&reel, knobs, &Run::default()).expect("nothing stops it")
+}
+
+fn methods(found: &Film, knobs: &LinesKnobs) {
+    println!(
+        "  {:<10} {:>8} {:>7} {:>7} {:>8} {:>6} {:>8} {:>7} {:>7} {:>7}",
+        "method", "slide", "over 2", "jumps", "stretch", "folds", "mended", "cut", "strokes", "ms"
+    );
+    let methods = [Method::Global, Method::Propagate, Method::Diffuse, Method::Arclength];
+    for method in methods {
+        let mut film = found.clone();
+        let start = Instant::now();
+        let knobs = LinesKnobs { method, ..knobs.clone() };
+        let solved = parameterize(&mut film, &[], &knobs, &Run::default()).expect("it is solved");
+        let seconds = start.elapsed().as_secs_f64();
+        let q = quality(&film);
+        println!(
+            "  {:<10} {:>8.3} {:>6.2}% {:>6.2}% {:>8.3} {:>6} {:>8} {:>6.2}% {:>7} {:>7.1}",
+            format!("{method:?}"),
+            q.slide_p95,
+            100.0 * q.slide_over_2,
+            100.0 * q.jumps,
+            q.stretch_p95,
+            q.folds,
+            solved.mended,
+            100.0 * solved.cut as f64 / solved.links.max(1) as f64,
+            measure(&film).strokes,
+            1e3 * seconds,
+        );
+    }
+}
+
+/// Slide and stretch together over the control.
+fn coherence(found: &Film, knobs: &LinesKnobs) {
+    let mut film = found.clone();
+    let start = Instant::now();
+    let parameters = Parameters::new(&mut film, &[], knobs).expect("it is solved");
+    println!("  links, cuts, pattern: {:.0} ms", 1e3 * start.elapsed().as_secs_f64());
+    println!("  coherence    slide   over 2  stretch  folds   ms");
+    for step in 0..=10 {
+        let coherence = step as f32 / 10.0;
+        let weights = Weights::of(&LinesKnobs { coherence, ..knobs.clone() });
+        let start = Instant::now();
+        parameters.write(&mut film, &weights).expect("it is solved");
+        let seconds = start.elapsed().as_secs_f64();
+        let q = quality(&film);
+        println!(
+            "  {coherence:>9.1} {:>8.3} {:>7.2}% {:>8.3} {:>6} {:>4.0}",
+            q.slide_p95,
+            100.0 * q.slide_over_2,
+            q.stretch_p95,
+            q.folds,
+            1e3 * seconds
+        );
+    }
+}

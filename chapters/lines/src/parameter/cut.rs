@@ -1,0 +1,142 @@
+//! Cut, then solve: links that contradict each other are found by a stiff robust solve and dropped.
+//!
+//! 1. A guess: line by line through time, arc length moved to the median of what its links say.
+//! 2. With textures nearly rigid, links are trusted by 1 / (1 + (r / s)^2)^2 of their residual r, s
+//!    falling from 200 to 8 pixels. Where merges and loops ask for two values of one place, the
+//!    lesser side gives way.
+//! 3. Bundles of links from one line to another whose median residual exceeds the sliding limit
+//!    sigma are cut, and single links over three times that.
+//!
+//! What is left agrees, so that plain least squares at any weight has no reason to fold.
+
+use super::energy::{Energy, Weights};
+use super::net::Net;
+use chiaro_solve::Singular;
+use std::collections::BTreeMap;
+
+/// Scales of the robust weights, pixels.
+const ANNEAL: [f64; 8] = [200.0, 100.0, 50.0, 25.0, 12.0, 8.0, 8.0, 8.0];
+/// w_proj of the stiff solve.
+const STIFF: f64 = 1e-3;
+/// Single links go beyond this many sliding limits.
+const SINGLE: f64 = 3.0;
+
+/// Links that stay, and how often each goes round.
+pub(crate) struct Kept {
+    /// 1 for links that stay, 0 for those that were cut.
+    pub(crate) trust: Vec<f64>,
+    /// What is added to each link's right side, in units of u.
+    pub(crate) wraps: Vec<f64>,
+    /// How many were cut.
+    pub(crate) cut: usize,
+    /// Their length in pixels.
+    pub(crate) cut_length: f64,
+    /// What each link's two ends disagree by, in pixels, where textures are nearly rigid.
+    pub(crate) residual: Vec<f64>,
+}
+
+/// Finds the links that agree. `period` is that of each closed line without a seam.
+pub(crate) fn agreeing(
+    net: &Net,
+    energy: &Energy,
+    (scale, period): (&[f64], &[Option<f64>]),
+    weights: &Weights,
+    sigma: f64,
+) -> Result<Kept, Singular> {
+    let stiff = vec![1.0; energy.stretches.len()];
+    let weights = Weights { projection: STIFF, ..*weights };
+    let mut u = guess(net, scale, period);
+    let mut wraps = wraps(net, energy, period, &u);
+    for s in ANNEAL {
+        let trust: Vec<f64> = (0..net.links.len())
+            .map(|i| (1.0 + (energy.residual(i, &u, wraps[i]) / s).powi(2)).powi(-2))
+            .collect();
+        u = energy.solve(&weights, &stiff, &trust, &wraps)?;
+        wraps = self::wraps(net, energy, period, &u);
+    }
+    let residual: Vec<f64> =
+        (0..net.links.len()).map(|i| energy.residual(i, &u, wraps[i])).collect();
+    let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
+    for (link, r) in net.links.iter().zip(&residual) {
+        bundles.entry(link.lines).or_default().push(r.abs());
+    }
+    let median: BTreeMap<[u32; 2], f64> = bundles
+        .into_iter()
+        .map(|(lines, mut r)| {
+            let middle = r.len() / 2;
+            r.sort_unstable_by(f64::total_cmp);
+            (lines, r[middle])
+        })
+        .collect();
+    let mut kept = Kept {
+        trust: vec![1.0; net.links.len()],
+        wraps,
+        cut: 0,
+        cut_length: 0.0,
+        residual: Vec::new(),
+    };
+    for (i, (link, r)) in net.links.iter().zip(&residual).enumerate() {
+        if r.abs() > SINGLE * sigma || median[&link.lines] > sigma {
+            kept.trust[i] = 0.0;
+            kept.cut += 1;
+            kept.cut_length += link.weight;
+        }
+    }
+    kept.residual = residual;
+    Ok(kept)
+}
+
+/// How often each link goes round the closed line at one of its ends.
+pub(crate) fn wraps(net: &Net, energy: &Energy, period: &[Option<f64>], u: &[f64]) -> Vec<f64> {
+    net.links
+        .iter()
+        .enumerate()
+        .map(|(i, link)| {
+            let [from, to] = link.lines.map(|l| period[l as usize]);
+            let Some(p) = to.or(from) else { return 0.0 };
+            let seam = link.wrap(0.0, to);
+            let turns = ((energy.difference(i, u) - seam) / p).round();
+            seam + turns * p
+        })
+        .collect()
+}
+
+/// Arc length along every line, moved to what the median of its links from the frame before says.
+pub(crate) fn guess(net: &Net, scale: &[f64], period: &[Option<f64>]) -> Vec<f64> {
+    let mut incoming: Vec<Vec<u32>> = vec![Vec::new(); net.lines.len()];
+    for (i, link) in net.links.iter().enumerate() {
+        incoming[link.lines[1] as usize].push(i as u32);
+    }
+    let mut u = vec![0.0; net.unknowns];
+    for (l, line) in net.lines.iter().enumerate() {
+        let own = match period[l] {
+            Some(p) if line.total() > 0.0 => p / line.total(),
+            _ => 1.0 / scale[l],
+        };
+        let mut offsets: Vec<f64> = incoming[l]
+            .iter()
+            .map(|&i| {
+                let link = &net.links[i as usize];
+                let k = (link.to[0] - line.first) as usize;
+                let s = line.length[k] + (line.length[k + 1] - line.length[k]) * link.share;
+                let offset = u[link.from as usize] - s * own;
+                // Whole turns are no offset.
+                period[l].map_or(offset, |p| offset - (offset / p).round() * p)
+            })
+            .collect();
+        offsets.sort_unstable_by(f64::total_cmp);
+        let offset = offsets.get(offsets.len() / 2).copied().unwrap_or(0.0);
+        for k in 0..line.count as usize {
+            u[line.first as usize + k] = offset + own * line.length[k];
+        }
+    }
+    u
+}
+
+/// Nothing is cut.
+pub(crate) fn all(net: &Net, energy: &Energy, scale: &[f64], period: &[Option<f64>]) -> Kept {
+    let u = guess(net, scale, period);
+    let wraps = wraps(net, energy, period, &u);
+    let trust = vec![1.0; net.links.len()];
+    Kept { trust, wraps, cut: 0, cut_length: 0.0, residual: vec![0.0; net.links.len()] }
+}

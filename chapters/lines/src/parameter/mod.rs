@@ -1,0 +1,281 @@
+//! Parameters: the texture's u along every line of a film (thesis, sections 4.6, 4.7 and 4.9).
+//!
+//! ```text
+//!  Film ─seam::carry→ seams that last ─Net→ unknowns, links ─Energy→ rows, factored once
+//!  rows ─cut::agreeing→ links that agree ─monotone::solve→ u ─→ Stroke::u
+//! ```
+//!
+//! [`parameterize`] runs one of four methods: the global solution, or one of the baselines, which go
+//! from frame to frame ([`propagate`], [`diffuse`]) or know no time at all. [`Parameters`] keeps the
+//! links and the factored pattern, so that another weight costs a solve alone.
+
+pub(crate) mod chart;
+pub(crate) mod cut;
+pub mod diffuse;
+mod energy;
+mod fit;
+mod monotone;
+mod name;
+pub(crate) mod near;
+pub(crate) mod net;
+mod octave;
+mod propagate;
+mod seam;
+mod split;
+
+pub use chart::Saved;
+pub use diffuse::{Diffused, Diffuser, Gesture};
+pub use energy::Weights;
+
+use crate::film::Film;
+use crate::knob::{Cuts, LinesKnobs, Links, Method, Texture};
+use chiaro_basis::{Error, Result, Run};
+use cut::Kept;
+use energy::{Energy, Setting};
+use net::Net;
+use std::collections::BTreeMap;
+
+/// How often strokes are cut where links contradict each other.
+const ROUNDS: usize = 4;
+/// A loop whose longest slice is longer than its shortest by more than this closes with a seam.
+const LOOP_GROWTH: f64 = 1.5;
+
+/// What a parameterization took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Solved {
+    /// Unknowns of the solve; for the baselines, samples.
+    pub unknowns: usize,
+    /// Links from frame to frame.
+    pub links: usize,
+    /// Links that were cut because they contradict others.
+    pub cut: usize,
+    /// Their length in pixels, over the film.
+    pub cut_length: f64,
+    /// Segments that folded before they were mended.
+    pub mended: usize,
+    /// What cuts at events came to, where they are made.
+    pub saved: Option<Saved>,
+}
+
+/// Parameterizes every stroke of a film by the method that the knobs name. `spacing`: seconds from
+/// each frame to the next; the last one, or all that are missing, count as the one before, or 1/24.
+pub fn parameterize(
+    film: &mut Film,
+    spacing: &[f64],
+    knobs: &LinesKnobs,
+    run: &Run,
+) -> Result<Solved> {
+    run.check()?;
+    run.stage("solve", film.frames.len() as u64, || match knobs.method {
+        Method::Global => {
+            let parameters = Parameters::new(film, spacing, knobs)?;
+            parameters.write(film, &Weights::of(knobs))
+        }
+        Method::Propagate => Ok(propagate::film(film, knobs)),
+        Method::Diffuse => Ok(diffuse::film(film, knobs)),
+        Method::Arclength => Ok(arc_length(film, knobs)),
+    })
+}
+
+impl Weights {
+    /// The weights that knobs ask for: those set by hand, else by coherence.
+    pub fn of(knobs: &LinesKnobs) -> Self {
+        let by_coherence = 10f64.powf(-4.0 + 4.0 * f64::from(knobs.coherence));
+        let given = f64::from(knobs.w_projection);
+        Self {
+            projection: if given > 0.0 { given } else { by_coherence },
+            distortion: f64::from(knobs.w_distortion),
+            end: f64::from(knobs.w_end),
+        }
+    }
+}
+
+/// Every frame by itself: picture length.
+fn arc_length(film: &mut Film, knobs: &LinesKnobs) -> Solved {
+    let mut unknowns = 0;
+    for frame in &mut film.frames {
+        for stroke in frame.strokes.iter_mut().chain(&mut frame.hidden) {
+            let scale = match knobs.texture {
+                Texture::Periodic => f64::from(knobs.pattern_length),
+                Texture::Stretched => stroke.total().max(1e-3),
+            };
+            unknowns += stroke.samples.len();
+            let u = stroke.length.iter().map(|l| l / scale).collect();
+            stroke.set_u(u, scale);
+        }
+    }
+    Solved { unknowns, ..Solved::default() }
+}
+
+/// A film's problem with everything that does not depend on weights.
+pub struct Parameters {
+    net: Net,
+    energy: Energy,
+    kept: Kept,
+    scale: Vec<f64>,
+    period: Vec<Option<f64>>,
+    saved: Option<Saved>,
+}
+
+impl Parameters {
+    /// Carries seams, finds links, cuts, and factors the pattern. Seams move samples of closed lines,
+    /// and cuts part strokes.
+    pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs) -> Result<Self> {
+        seam::carry(film);
+        let sigma = f64::from(knobs.sliding_limit);
+        let mut made = Self::linked(film, spacing, knobs)?;
+        match knobs.cuts {
+            Cuts::Charts => {
+                for _ in 0..ROUNDS {
+                    let residual = |i: u32| made.kept.residual[i as usize];
+                    let places = chart::contradictions(&made.net, &residual, sigma);
+                    if split::split(film, &made.net, &places) == 0 {
+                        break;
+                    }
+                    made = Self::linked(film, spacing, knobs)?;
+                }
+            }
+            Cuts::Events | Cuts::Unpaired => {
+                let paired = knobs.cuts == Cuts::Events;
+                let (places, saved) = chart::events(&made.net, paired, sigma);
+                split::split(film, &made.net, &places);
+                made = Self { saved: Some(saved), ..Self::linked(film, spacing, knobs)? };
+            }
+            Cuts::Links | Cuts::None => {}
+        }
+        name::rename(film, &made.net, &made.kept.trust);
+        Ok(made)
+    }
+
+    fn linked(film: &Film, spacing: &[f64], knobs: &LinesKnobs) -> Result<Self> {
+        let mut net = Net::of(film, knobs.links == Links::Swept);
+        let stretched = knobs.texture == Texture::Stretched;
+        let (scale, period) = sizes(film, &net, knobs);
+        let lines = &net.lines;
+        net.links.retain(|l| !crosses_seam(lines, l, &period));
+        let dt = intervals(film.frames.len(), spacing);
+        let setting = Setting { scale: &scale, period: &period, dt: &dt, stretched };
+        let energy = Energy::of(&net, &setting);
+        let kept = match knobs.cuts {
+            Cuts::None => cut::all(&net, &energy, &scale, &period),
+            _ => {
+                let sigma = f64::from(knobs.sliding_limit);
+                let weights = Weights::of(knobs);
+                cut::agreeing(&net, &energy, (&scale, &period), &weights, sigma).map_err(failed)?
+            }
+        };
+        Ok(Self { net, energy, kept, scale, period, saved: None })
+    }
+
+    /// Solves with some weights and writes u into the strokes of the film it was made from.
+    pub fn write(&self, film: &mut Film, weights: &Weights) -> Result<Solved> {
+        let links = (self.kept.trust.as_slice(), self.kept.wraps.as_slice());
+        let (mut u, mended) =
+            monotone::solve(&self.net, &self.energy, weights, links).map_err(failed)?;
+        for (l, line) in self.net.lines.iter().enumerate() {
+            monotone::rising(line, &mut u, self.scale[l], self.period[l]);
+            let own = &u[line.first as usize..(line.first + line.count) as usize];
+            let frame = &mut film.frames[line.frame as usize];
+            let all = frame.strokes.iter_mut().chain(&mut frame.hidden);
+            let Some(stroke) = all.into_iter().nth(line.stroke as usize) else { continue };
+            let mut own = own.to_vec();
+            if line.closed {
+                let closing = line.total() - line.length[line.count as usize - 1];
+                let open = own[own.len() - 1] + closing / self.scale[l];
+                own.push(self.period[l].map_or(open, |p| own[0] + p));
+            }
+            stroke.set_u(own, self.scale[l]);
+        }
+        Ok(Solved {
+            unknowns: self.net.unknowns,
+            links: self.net.links.len(),
+            cut: self.kept.cut,
+            cut_length: self.kept.cut_length,
+            mended,
+            saved: self.saved,
+        })
+    }
+}
+
+fn failed(error: chiaro_solve::Singular) -> Error {
+    let weights = "w_projection, w_distortion, w_end";
+    Error::setting(weights, format!("weights for which {error}"), "weights nearer to the defaults")
+}
+
+/// Length of the interval after each frame in 24ths of a second.
+fn intervals(frames: usize, spacing: &[f64]) -> Vec<f64> {
+    let mut last = 1.0;
+    (0..frames)
+        .map(|i| {
+            let given = spacing.get(i).map(|s| (24.0 * s).abs()).filter(|d| *d > 1e-3);
+            last = given.unwrap_or(last);
+            last
+        })
+        .collect()
+}
+
+/// Whether a link passes a loop's seam where the loop does not close.
+fn crosses_seam(lines: &[net::Line], link: &net::Link, period: &[Option<f64>]) -> bool {
+    let [a, b] = link.lines;
+    let to = &lines[b as usize];
+    if to.closed && period[b as usize].is_none() && link.around {
+        return true;
+    }
+    let from = &lines[a as usize];
+    if !(from.closed && to.closed) || (period[a as usize].is_some() && period[b as usize].is_some())
+    {
+        return false;
+    }
+    let at = |line: &net::Line, unknown: u32| {
+        line.length[(unknown - line.first) as usize] / line.total()
+    };
+    (at(from, link.from) - at(to, link.to[0])).abs() > 0.5
+}
+
+/// Pixels a unit of u of every line, and the period of the closed ones that close without a seam.
+fn sizes(film: &Film, net: &Net, knobs: &LinesKnobs) -> (Vec<f64>, Vec<Option<f64>>) {
+    if knobs.texture == Texture::Stretched {
+        let scale = net.lines.iter().map(|l| l.total().max(1e-3)).collect();
+        let period = net.lines.iter().map(|l| l.closed.then_some(1.0)).collect();
+        return (scale, period);
+    }
+    let zoom = if knobs.octaves { octave::zoom(film, net) } else { vec![1.0; film.frames.len()] };
+    let pattern = f64::from(knobs.pattern_length);
+    let scale: Vec<f64> = net.lines.iter().map(|l| pattern * zoom[l.frame as usize]).collect();
+    let mut period = vec![None; net.lines.len()];
+    for lines in loops(net).into_values() {
+        let turns = |l: &u32| net.lines[*l as usize].total() / scale[*l as usize];
+        let (low, high) =
+            lines.iter().map(turns).fold((f64::INFINITY, 0.0f64), |a, t| (a.0.min(t), a.1.max(t)));
+        let mean = lines.iter().map(turns).sum::<f64>() / lines.len() as f64;
+        if high <= LOOP_GROWTH * low {
+            let whole = mean.round().max(1.0);
+            lines.iter().for_each(|l| period[*l as usize] = Some(whole));
+        }
+    }
+    (scale, period)
+}
+
+/// Closed lines of the film that links join, by the first of them.
+fn loops(net: &Net) -> BTreeMap<u32, Vec<u32>> {
+    let mut parent: Vec<u32> = (0..net.lines.len() as u32).collect();
+    fn root(parent: &mut [u32], mut x: u32) -> u32 {
+        while parent[x as usize] != x {
+            parent[x as usize] = parent[parent[x as usize] as usize];
+            x = parent[x as usize];
+        }
+        x
+    }
+    for link in &net.links {
+        let [a, b] = link.lines;
+        if net.lines[a as usize].closed && net.lines[b as usize].closed {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for l in (0..net.lines.len() as u32).filter(|l| net.lines[*l as usize].closed) {
+        groups.entry(root(&mut parent, l)).or_default().push(l);
+    }
+    groups
+}

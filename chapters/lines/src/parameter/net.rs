@@ -1,0 +1,229 @@
+//! [`Net`]: the unknowns of a film, its lines as they stand in it, and the links between frames.
+//!
+//! One unknown a sample. A link joins a sample to the place where its material point is one frame
+//! later (4.7): moved with its face, projected by the next frame's camera, to the nearest segment
+//! there that runs the same way at about the same depth.
+
+use super::near::{Hit, Near};
+use crate::film::{Film, FilmFrame};
+use crate::partner::Partner;
+use crate::stroke::Stroke;
+use chiaro_basis::math::DVec2;
+use rayon::prelude::*;
+
+/// A material point finds its line within this distance, pixels.
+pub(crate) const REACH: f64 = 8.0;
+/// Cosine of the largest angle between a line and where it goes.
+pub(crate) const AGREES: f64 = 0.5;
+/// Parts of the picture's height by which a contour may leave its material point in depth.
+const DEPTH: f64 = 0.08;
+/// Pixels that another id seems further away.
+const OTHER_ID: f64 = 2.0;
+/// A stroke's end meets another's within this distance, pixels.
+const END_MEETS_END: f64 = 1.0;
+
+/// A stroke of the film.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    /// Its frame.
+    pub(crate) frame: u32,
+    /// Its index among the frame's strokes, hidden ones after the seen.
+    pub(crate) stroke: u32,
+    /// Its first unknown.
+    pub(crate) first: u32,
+    /// How many samples.
+    pub(crate) count: u32,
+    /// Whether the last sample is joined to the first.
+    pub(crate) closed: bool,
+    /// Picture length up to each sample; of closed lines once more around.
+    pub(crate) length: Vec<f64>,
+}
+
+/// A sample and the place of its material point one frame later.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    /// The sample's unknown.
+    pub(crate) from: u32,
+    /// The two samples around the place.
+    pub(crate) to: [u32; 2],
+    /// Share of the second.
+    pub(crate) share: f64,
+    /// Whether the second is the first of its line, once round.
+    pub(crate) around: bool,
+    /// The lines.
+    pub(crate) lines: [u32; 2],
+    /// Picture length that the sample stands for.
+    pub(crate) weight: f64,
+}
+
+/// Lines and links of a film.
+pub(crate) struct Net {
+    pub(crate) lines: Vec<Line>,
+    /// Where each frame's lines begin, and the end.
+    pub(crate) frames: Vec<u32>,
+    pub(crate) links: Vec<Link>,
+    pub(crate) unknowns: usize,
+}
+
+/// The strokes of a frame, seen ones first.
+pub(crate) fn strokes(frame: &FilmFrame) -> impl Iterator<Item = &Stroke> {
+    frame.strokes.iter().chain(&frame.hidden)
+}
+
+impl Line {
+    /// Picture length.
+    pub(crate) fn total(&self) -> f64 {
+        self.length.last().copied().unwrap_or(0.0)
+    }
+
+    /// Unknowns of each segment with its length; the closing one last.
+    pub(crate) fn segments(&self) -> impl Iterator<Item = ([u32; 2], f64)> + '_ {
+        let next = |k: usize| if k as u32 == self.count { 0 } else { k as u32 };
+        self.length.windows(2).enumerate().map(move |(k, l)| {
+            ([self.first + k as u32, self.first + next(k + 1)], (l[1] - l[0]).max(1e-3))
+        })
+    }
+}
+
+impl Net {
+    /// The lines of a film and their links; `swept` ones follow S where it is known.
+    pub(crate) fn of(film: &Film, swept: bool) -> Self {
+        let mut net = Self { lines: Vec::new(), frames: vec![0], links: Vec::new(), unknowns: 0 };
+        for (f, frame) in film.frames.iter().enumerate() {
+            for (i, s) in strokes(frame).enumerate() {
+                let count = s.samples.len() as u32;
+                net.lines.push(Line {
+                    frame: f as u32,
+                    stroke: i as u32,
+                    first: net.unknowns as u32,
+                    count,
+                    closed: s.closed,
+                    length: s.length.clone(),
+                });
+                net.unknowns += count as usize;
+            }
+            net.frames.push(net.lines.len() as u32);
+        }
+        let pairs = 0..film.frames.len().saturating_sub(1);
+        let links = pairs.into_par_iter().map(|f| net.between(film, f, swept));
+        net.links = links.collect::<Vec<_>>().concat();
+        net
+    }
+
+    /// The lines of a frame.
+    pub(crate) fn of_frame(&self, frame: usize) -> std::ops::Range<usize> {
+        self.frames[frame] as usize..self.frames[frame + 1] as usize
+    }
+
+    fn between(&self, film: &Film, f: usize, swept: bool) -> Vec<Link> {
+        let (here, next) = (&film.frames[f], &film.frames[f + 1]);
+        if next.begins {
+            return Vec::new();
+        }
+        let along = if swept { film.partners(f) } else { Vec::new() };
+        let there: Vec<&Stroke> = strokes(next).collect();
+        let near = Near::of(there.iter().copied(), &next.view);
+        let mut links = Vec::new();
+        for (i, (line, stroke)) in self.of_frame(f).zip(strokes(here)).enumerate() {
+            for j in 0..stroke.samples.len() {
+                let swept = along.get(i).and_then(|a| a[j]).filter(|p| meets(p, &there));
+                let found = match swept {
+                    Some(p) => Some((p.stroke, p.segment, p.share)),
+                    None => landing(stroke, j, next, &there, &near)
+                        .map(|h| (h.segment.stroke, h.segment.first, h.share)),
+                };
+                if let Some(place) = found {
+                    links.push(self.link(line, j as u32, self.of_frame(f + 1).start, place));
+                }
+            }
+        }
+        links
+    }
+
+    fn link(&self, line: usize, j: u32, there: usize, place: (u32, u32, f64)) -> Link {
+        let (stroke, first, share) = place;
+        let to = there + stroke as usize;
+        let (own, other) = (&self.lines[line], &self.lines[to]);
+        let around = first + 1 == other.count;
+        let second = if around { 0 } else { first + 1 };
+        Link {
+            from: own.first + j,
+            to: [other.first + first, other.first + second],
+            share,
+            around,
+            lines: [line as u32, to as u32],
+            weight: weight(own, j as usize),
+        }
+    }
+}
+
+/// Whether a partner along S is near enough, and no mere end of its line.
+fn meets(partner: &Partner, there: &[&Stroke]) -> bool {
+    let stroke = there[partner.stroke as usize];
+    let last = partner.segment as usize + 2 == stroke.samples.len();
+    let at_end = (partner.share <= 0.0 && partner.segment == 0) || (partner.share >= 1.0 && last);
+    partner.distance <= if at_end && !stroke.closed { END_MEETS_END } else { REACH }
+}
+
+/// Half the length of the segments beside a sample.
+fn weight(line: &Line, j: usize) -> f64 {
+    let l = &line.length;
+    let n = l.len() - 1;
+    let after = if j < n { l[j + 1] - l[j] } else { 0.0 };
+    let before = match (j, line.closed) {
+        (0, true) => l[n] - l[n - 1],
+        (0, false) => 0.0,
+        _ => l[j] - l[j - 1],
+    };
+    (0.5 * (before + after)).max(1e-3)
+}
+
+/// Where a sample's material point is in the next picture, and how deep.
+pub(crate) fn material(stroke: &Stroke, j: usize, next: &FilmFrame) -> Option<(DVec2, f64)> {
+    let sample = &stroke.samples[j];
+    match (sample.next_at, sample.next_world) {
+        (Some(at), Some(world)) => Some((at, next.view.see(world)?.depth)),
+        // Where nothing follows the surface, the picture must do.
+        _ if next.interval.forward.is_empty() && sample.next_world.is_none() => {
+            next.view.holds(sample.at, 0.0).then_some((sample.at, sample.depth))
+        }
+        _ => None,
+    }
+}
+
+/// The direction of a stroke at a sample, one frame later if that is known.
+pub(crate) fn direction(stroke: &Stroke, j: usize) -> DVec2 {
+    let s = &stroke.samples;
+    let n = s.len();
+    let (a, b) = match stroke.closed {
+        true => ((j + n - 1) % n, (j + 1) % n),
+        false => (j.saturating_sub(1), (j + 1).min(n - 1)),
+    };
+    let moved = s[a].next_at.zip(s[b].next_at).map(|(p, q)| (q - p).normalize_or_zero());
+    moved.filter(|d| *d != DVec2::ZERO).unwrap_or((s[b].at - s[a].at).normalize_or_zero())
+}
+
+/// The place where a sample's material point meets a line of the next frame.
+pub(crate) fn landing(
+    stroke: &Stroke,
+    j: usize,
+    next: &FilmFrame,
+    there: &[&Stroke],
+    near: &Near,
+) -> Option<Hit> {
+    let (at, depth) = material(stroke, j, next)?;
+    let along = direction(stroke, j);
+    let reach = DEPTH * next.view.size.1 as f64 * next.view.pixel(depth);
+    let is_end = |hit: &Hit| {
+        let first = hit.segment.first == 0 && hit.share < 0.5;
+        j == if first { 0 } else { stroke.samples.len() - 1 } && hit.beyond < END_MEETS_END
+    };
+    near.nearest(at, REACH, |hit| {
+        let other = there[hit.segment.stroke as usize];
+        let fits = other.kind == stroke.kind
+            && hit.segment.direction().dot(along) > AGREES
+            && (hit.segment.depth(hit.share) - depth).abs() < reach;
+        fits.then_some(if other.id == stroke.id { 0.0 } else { OTHER_ID })
+    })
+    .filter(|hit| hit.beyond == 0.0 || (!stroke.closed && is_end(hit)))
+}

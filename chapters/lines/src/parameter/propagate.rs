@@ -1,0 +1,179 @@
+//! The baseline of frame-to-frame propagation, in the manner of Kalnins et al. (2003).
+//!
+//! Every sample votes, at the place where its material point is one frame later, for its stroke and
+//! its u. A line goes on with the stroke that most of its length votes for; where a stretch of it
+//! votes for another one that disagrees, the line is split. u of each piece is fitted to its votes, by
+//! the same energies as the global solution, with no future in it.
+
+use super::Solved;
+use super::fit::Fit;
+use super::near::Near;
+use super::net::{landing, strokes};
+use crate::film::{Film, FilmFrame};
+use crate::knob::LinesKnobs;
+use crate::parameter::Weights;
+use crate::stroke::Stroke;
+use chiaro_basis::math::DVec2;
+use std::collections::BTreeSet;
+
+/// A stretch that votes for another stroke is split off from this length on, pixels.
+const SPLIT: f64 = 15.0;
+
+/// A sample's word on where its stroke goes on.
+#[derive(Clone, Copy)]
+struct Vote {
+    id: u32,
+    /// Sample of the line before the place, and the share of the way to the next.
+    at: (usize, f64),
+    /// Picture length there.
+    length: f64,
+    /// u in pixels.
+    u: f64,
+    weight: f64,
+}
+
+/// Parameterizes a film, one frame after the other.
+pub(crate) fn film(film: &mut Film, knobs: &LinesKnobs) -> Solved {
+    let scale = f64::from(knobs.pattern_length);
+    let mut fresh = film.frames.iter().flat_map(strokes).map(|s| s.id + 1).max().unwrap_or(0);
+    let mut solved = Solved::default();
+    for f in 0..film.frames.len() {
+        let (before, rest) = film.frames.split_at_mut(f);
+        let here = &mut rest[0];
+        let last = before.last().filter(|_| !here.begins);
+        let votes = last.map_or_else(Vec::new, |b| votes(b, here));
+        solved.links += votes.iter().map(Vec::len).sum::<usize>();
+        let mut votes = votes.into_iter();
+        let mut taken = BTreeSet::new();
+        for list in [&mut here.strokes, &mut here.hidden] {
+            let whole = std::mem::take(list);
+            for stroke in whole {
+                let own = votes.next().unwrap_or_default();
+                for (mut piece, own) in pieces(stroke, own, f64::from(knobs.sliding_limit)) {
+                    fit(&mut piece, &own, scale, &Weights::of(knobs));
+                    solved.unknowns += piece.samples.len();
+                    piece.id = name(&piece, &own, &mut taken, &mut fresh, last.is_some());
+                    list.push(piece);
+                }
+            }
+        }
+    }
+    solved
+}
+
+/// Votes on each stroke of a frame, by place along it.
+fn votes(before: &FilmFrame, here: &FilmFrame) -> Vec<Vec<Vote>> {
+    let there: Vec<&Stroke> = strokes(here).collect();
+    let near = Near::of(there.iter().copied(), &here.view);
+    let mut votes = vec![Vec::new(); there.len()];
+    for stroke in strokes(before) {
+        for j in 0..stroke.samples.len() {
+            let Some(hit) = landing(stroke, j, here, &there, &near) else { continue };
+            let index = hit.segment.stroke as usize;
+            let (k, l) = (hit.segment.first as usize, &there[index].length);
+            votes[index].push(Vote {
+                id: stroke.id,
+                at: (k, hit.share),
+                length: l[k] + (l[k + 1] - l[k]) * hit.share,
+                u: stroke.u[j] * stroke.pixels_per_u,
+                weight: stroke.total() / stroke.samples.len() as f64,
+            });
+        }
+    }
+    votes.iter_mut().for_each(|v| v.sort_by(|a, b| a.length.total_cmp(&b.length)));
+    votes
+}
+
+/// The id that most of the length votes for.
+fn winner(votes: &[Vote]) -> Option<u32> {
+    let mut sums = std::collections::BTreeMap::new();
+    votes.iter().for_each(|v| *sums.entry(v.id).or_insert(0.0) += v.weight);
+    sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|s| s.0)
+}
+
+/// Splits a stroke where its votes change their mind for long.
+fn pieces(stroke: Stroke, votes: Vec<Vote>, sigma: f64) -> Vec<(Stroke, Vec<Vote>)> {
+    let runs = runs(&votes, sigma);
+    if runs.len() < 2 || stroke.closed {
+        return vec![(stroke, votes)];
+    }
+    let mut pieces = Vec::new();
+    let (mut rest, mut rest_votes) = (stroke, votes);
+    for pair in runs.windows(2) {
+        // Between the last vote of one run and the first of the next.
+        let cut = 0.5 * (pair[0].1 + pair[1].0);
+        let base = rest.samples.first().map(|s| s.at).unwrap_or(DVec2::ZERO);
+        let done: f64 = pieces.iter().map(|(s, _): &(Stroke, Vec<Vote>)| s.total()).sum();
+        let k = rest.length.partition_point(|l| *l + done <= cut).clamp(1, rest.samples.len() - 1);
+        if k < 1 || k + 1 >= rest.samples.len() || base.is_nan() {
+            continue;
+        }
+        let mut head = rest.clone();
+        head.samples.truncate(k + 1);
+        rest.samples.drain(..k);
+        head.measure();
+        rest.measure();
+        let (own, mut others): (Vec<Vote>, Vec<Vote>) =
+            rest_votes.into_iter().partition(|v| v.at.0 < k);
+        others.iter_mut().for_each(|v| v.at.0 -= k);
+        rest_votes = others;
+        pieces.push((head, own));
+    }
+    pieces.push((rest, rest_votes));
+    pieces
+}
+
+/// Stretches of votes for one stroke, from length to length, long ones that disagree alone.
+fn runs(votes: &[Vote], sigma: f64) -> Vec<(f64, f64, u32, f64)> {
+    let mut runs: Vec<(f64, f64, u32, f64)> = Vec::new();
+    for v in votes {
+        match runs.last_mut() {
+            Some(run) if run.2 == v.id => run.1 = v.length,
+            _ => runs.push((v.length, v.length, v.id, v.u - v.length)),
+        }
+    }
+    runs.retain(|r| r.1 - r.0 >= SPLIT);
+    let mut kept: Vec<(f64, f64, u32, f64)> = Vec::new();
+    for run in runs {
+        match kept.last_mut() {
+            Some(last) if last.2 == run.2 || (last.3 - run.3).abs() <= sigma => last.1 = run.1,
+            _ => kept.push(run),
+        }
+    }
+    kept
+}
+
+/// Fits u to the votes of the winning stroke.
+fn fit(stroke: &mut Stroke, votes: &[Vote], scale: f64, weights: &Weights) {
+    let id = winner(votes);
+    let mut fit = Fit::new(stroke.length.len());
+    for (k, l) in stroke.length.windows(2).enumerate() {
+        let ds = (l[1] - l[0]).max(1e-3);
+        fit.step(k, ds, weights.distortion / ds);
+    }
+    for v in votes.iter().filter(|v| Some(v.id) == id) {
+        fit.value(v.at.0, v.at.1, v.u, weights.projection * v.weight);
+    }
+    fit.value(0, 0.0, 0.0, 1e-9);
+    let u = fit.solve().into_iter().map(|u| u / scale).collect();
+    stroke.set_u(u, scale);
+}
+
+/// The id of the stroke that goes on, unless another line of the frame has it.
+fn name(
+    stroke: &Stroke,
+    votes: &[Vote],
+    taken: &mut BTreeSet<u32>,
+    fresh: &mut u32,
+    goes_on: bool,
+) -> u32 {
+    let wanted = if goes_on { winner(votes) } else { Some(stroke.id) };
+    match wanted.filter(|id| taken.insert(*id)) {
+        Some(id) => id,
+        None => {
+            *fresh += 1;
+            taken.insert(*fresh - 1);
+            *fresh - 1
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! How well u keeps its promise: sliding, jumps, stretch and folds, rows L1 to L3.
+//!
+//! Measured from strokes alone, by the place of each sample's material point one frame later, so
+//! that every method is judged alike. Sliding and stretch belong together: one is had for the other.
+
+use crate::film::{Film, FilmFrame};
+use crate::parameter::near::Near;
+use crate::parameter::net::{AGREES, REACH, direction, material};
+use crate::stroke::Stroke;
+use rayon::prelude::*;
+
+/// Sliding by more than this is seen, pixels.
+const SEEN: f64 = 2.0;
+/// Sliding by more than this is a jump, pixels.
+const JUMP: f64 = 8.0;
+/// The frame pair is broken when this share of its lines jumps.
+const BROKEN: f64 = 0.2;
+/// Pixels by which another stroke must be nearer to take a material point away.
+const NEARER: f64 = 2.0;
+
+/// How well a film is parameterized.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quality {
+    /// 95th percentile of sliding at visible material points, pixels a frame.
+    pub slide_p95: f64,
+    /// Share of length that slides by more than 2 px.
+    pub slide_over_2: f64,
+    /// Share of length that slides by more than 8 px or finds another id.
+    pub jumps: f64,
+    /// Share of frame pairs of which a fifth jumps.
+    pub broken_pairs: f64,
+    /// 95th percentile of |log2 (du / ds)|, in octaves.
+    pub stretch_p95: f64,
+    /// Segments on which u does not rise.
+    pub folds: usize,
+}
+
+/// A frame pair's samples: sliding in pixels, whether the id stays, and length.
+type Slides = Vec<(f64, bool, f64)>;
+
+/// Measures the seen strokes of a film.
+pub fn quality(film: &Film) -> Quality {
+    let pairs: Vec<Slides> =
+        film.frames.par_windows(2).filter(|p| !p[1].begins).map(|p| slides(&p[0], &p[1])).collect();
+    let jumps = |s: &Slides| share(s.iter().map(|x| (x.2, x.0 > JUMP || !x.1)));
+    let broken = pairs.iter().filter(|s| jumps(s) >= BROKEN).count();
+    let all: Slides = pairs.concat();
+    let strokes = || film.frames.iter().flat_map(|f| &f.strokes);
+    let slopes: Vec<(f64, f64)> = strokes().flat_map(slopes).collect();
+    let octaves = |s: &(f64, f64)| if s.0 > 0.0 { s.0.log2().abs() } else { f64::INFINITY };
+    Quality {
+        slide_p95: percentile(all.iter().map(|x| (x.0, x.2)).collect(), 0.95),
+        slide_over_2: share(all.iter().map(|x| (x.2, x.0 > SEEN))),
+        jumps: jumps(&all),
+        broken_pairs: if pairs.is_empty() { 0.0 } else { broken as f64 / pairs.len() as f64 },
+        stretch_p95: percentile(slopes.iter().map(|s| (octaves(s), s.1)).collect(), 0.95),
+        folds: slopes.iter().filter(|s| s.0 <= 0.0).count(),
+    }
+}
+
+/// Sliding of every sample whose material point meets a line of its kind.
+fn slides(here: &FilmFrame, next: &FilmFrame) -> Slides {
+    let there: Vec<&Stroke> = next.strokes.iter().collect();
+    let near = Near::of(there.iter().copied(), &next.view);
+    let mut slides = Vec::new();
+    for stroke in &here.strokes {
+        for j in 0..stroke.samples.len() {
+            let Some((at, _)) = material(stroke, j, next) else { continue };
+            let along = direction(stroke, j);
+            let hit = near.nearest(at, REACH, |hit| {
+                let other = there[hit.segment.stroke as usize];
+                // Past a cusp the line comes back over itself the other way.
+                let fits = other.kind == stroke.kind && hit.segment.direction().dot(along) > AGREES;
+                fits.then_some(if other.id == stroke.id { 0.0 } else { NEARER })
+            });
+            // Beyond a stroke's end there is nothing to slide on.
+            let Some(hit) = hit.filter(|h| h.beyond == 0.0) else { continue };
+            let other = there[hit.segment.stroke as usize];
+            let k = hit.segment.first as usize;
+            let u = other.u[k] + (other.u[k + 1] - other.u[k]) * hit.share;
+            let mut du = u - stroke.u[j];
+            for period in [stroke.u_period, other.u_period].into_iter().flatten() {
+                du -= (du / period.max(f64::MIN_POSITIVE)).round() * period;
+            }
+            let scale = 0.5 * (stroke.pixels_per_u + other.pixels_per_u);
+            let weight = stroke.total() / stroke.samples.len() as f64;
+            slides.push((scale * du.abs(), other.id == stroke.id, weight));
+        }
+    }
+    slides
+}
+
+/// L du / ds and ds of each segment.
+fn slopes(stroke: &Stroke) -> Vec<(f64, f64)> {
+    let pairs = stroke.u.windows(2).zip(stroke.length.windows(2));
+    let slope = |(u, l): (&[f64], &[f64])| {
+        let ds = (l[1] - l[0]).max(1e-9);
+        (stroke.pixels_per_u * (u[1] - u[0]) / ds, ds)
+    };
+    pairs.map(slope).collect()
+}
+
+/// The share of a weight for which something holds.
+fn share(items: impl Iterator<Item = (f64, bool)>) -> f64 {
+    let (mut some, mut all) = (0.0, 0.0);
+    for (weight, holds) in items {
+        all += weight;
+        some += if holds { weight } else { 0.0 };
+    }
+    if all > 0.0 { some / all } else { 0.0 }
+}
+
+/// The value below which a share of the weight lies.
+fn percentile(mut items: Vec<(f64, f64)>, at: f64) -> f64 {
+    items.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let whole: f64 = items.iter().map(|i| i.1).sum();
+    let mut sum = 0.0;
+    for (value, weight) in &items {
+        sum += weight;
+        if sum >= at * whole {
+            return *value;
+        }
+    }
+    0.0
+}
+
+impl Quality {
+    /// Names and values for records.
+    pub fn named(&self) -> [(&'static str, f64); 6] {
+        [
+            ("slide_p95_px", self.slide_p95),
+            ("slide_over_2px", self.slide_over_2),
+            ("jump_share", self.jumps),
+            ("broken_pairs_share", self.broken_pairs),
+            ("stretch_p95_octaves", self.stretch_p95),
+            ("folds", self.folds as f64),
+        ]
+    }
+}

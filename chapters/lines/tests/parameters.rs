@@ -1,0 +1,252 @@
+//! Textures neither slide nor jump nor fold, whatever the film.
+
+mod meshes;
+
+use chiaro_basis::Run;
+use chiaro_basis::math::{Vec3, vec3};
+use chiaro_lines::parameter::{Diffuser, Parameters, Solved, Weights, parameterize};
+use chiaro_lines::{Cuts, Film, LinesKnobs, Links, Method, Quality, Reel, Texture, View, quality};
+use chiaro_scene::{Frame, Scene};
+use meshes::*;
+
+fn film(scene: &Scene, count: usize, at: &(dyn Fn(usize) -> (Frame, View) + Sync)) -> Film {
+    let reel = Reel { scene, count, at };
+    Film::of(&reel, &plain(), &Run::default()).expect("nothing stops it")
+}
+
+/// Meshes as they are.
+fn plain() -> LinesKnobs {
+    LinesKnobs::default()
+}
+
+fn torus_film(frames: usize, degrees: f32) -> Film {
+    let (p, t) = torus(80, 40, 0.1);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let view = view(vec3(1.0, 3.0, 4.5));
+    film(&scene, frames, &|i| (turned(&still, Vec3::Y, degrees * i as f32), view))
+}
+
+fn solve(film: &mut Film, knobs: &LinesKnobs) -> (Solved, Quality) {
+    let solved = parameterize(film, &[], knobs, &Run::default()).expect("it is solved");
+    (solved, quality(film))
+}
+
+/// A ball of rings of `n` vertices between two poles.
+fn ball(n: u32, rings: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut positions = vec![Vec3::Y];
+    for r in 1..rings {
+        let polar = std::f32::consts::PI * r as f32 / rings as f32;
+        positions.extend((0..n).map(|i| {
+            let a = std::f32::consts::TAU * i as f32 / n as f32;
+            vec3(polar.sin() * a.cos(), polar.cos(), -polar.sin() * a.sin())
+        }));
+    }
+    positions.push(-Vec3::Y);
+    let at = |r: u32, i: u32| 1 + (r - 1) * n + i % n;
+    let last = positions.len() as u32 - 1;
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        triangles.push([0, at(1, i), at(1, i + 1)]);
+        for r in 1..rings - 1 {
+            triangles.push([at(r, i), at(r + 1, i), at(r + 1, i + 1)]);
+            triangles.push([at(r, i), at(r + 1, i + 1), at(r, i + 1)]);
+        }
+        triangles.push([at(rings - 1, i), last, at(rings - 1, i + 1)]);
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn a_turning_torus_neither_slides_nor_folds() {
+    let mut film = torus_film(16, 1.5);
+    let (solved, q) = solve(&mut film, &plain());
+    assert!(solved.links > 0 && solved.unknowns > solved.links / 2);
+    assert!(q.slide_p95 < 0.5, "{q:?}");
+    assert!(q.stretch_p95 < 0.25, "{q:?}");
+    assert!(q.jumps < 0.02, "{q:?}");
+    assert_eq!(q.folds, 0);
+    let mut naive = torus_film(16, 1.5);
+    let (_, arc) = solve(&mut naive, &LinesKnobs { method: Method::Arclength, ..plain() });
+    assert!(arc.slide_p95 > 4.0 * q.slide_p95, "{arc:?}");
+}
+
+#[test]
+fn coherence_trades_stretch_for_sliding() {
+    let mut film = torus_film(12, 3.0);
+    let parameters = Parameters::new(&mut film, &[], &plain()).expect("it is solved");
+    let mut at = |coherence: f32| {
+        let weights = Weights::of(&LinesKnobs { coherence, ..plain() });
+        parameters.write(&mut film, &weights).expect("it is solved");
+        quality(&film)
+    };
+    let (none, half, full) = (at(0.0), at(0.5), at(1.0));
+    assert!(none.slide_p95 > half.slide_p95 && half.slide_p95 > full.slide_p95);
+    assert!(none.stretch_p95 < half.stretch_p95 && half.stretch_p95 < full.stretch_p95);
+    assert!(none.stretch_p95 < 0.04, "{none:?}");
+}
+
+#[test]
+fn neither_sampling_nor_frame_rate_moves_the_balance() {
+    let (p, t) = torus(80, 40, 0.1);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let view = view(vec3(1.0, 3.0, 4.5));
+    let at = |frames: usize, degrees: f32, step: f32, dt: f64| {
+        let knobs = LinesKnobs { step, ..plain() };
+        let at = |i: usize| (turned(&still, Vec3::Y, degrees * i as f32), view);
+        let reel = Reel { scene: &scene, count: frames, at: &at };
+        let mut film = Film::of(&reel, &knobs, &Run::default()).expect("nothing stops it");
+        let spacing = vec![dt; frames];
+        parameterize(&mut film, &spacing, &knobs, &Run::default()).expect("it is solved");
+        quality(&film)
+    };
+    let base = at(9, 2.0, 3.0, 1.0 / 24.0);
+    let dense = at(9, 2.0, 1.5, 1.0 / 24.0);
+    let fast = at(17, 1.0, 3.0, 1.0 / 48.0);
+    assert!((dense.stretch_p95 / base.stretch_p95).log2().abs() < 0.4, "{base:?} {dense:?}");
+    assert!((fast.stretch_p95 / base.stretch_p95).log2().abs() < 0.4, "{base:?} {fast:?}");
+    // Half the way in half the time.
+    assert!((2.0 * fast.slide_p95 / base.slide_p95).log2().abs() < 0.5, "{base:?} {fast:?}");
+}
+
+#[test]
+fn what_stands_still_keeps_its_texture() {
+    for method in [Method::Global, Method::Propagate, Method::Diffuse, Method::Arclength] {
+        let mut film = torus_film(4, 0.0);
+        let (_, q) = solve(&mut film, &LinesKnobs { method, ..plain() });
+        // Diffusion keeps on smoothing what stands still.
+        let blurs = method == Method::Diffuse;
+        assert!(q.slide_p95 < if blurs { 0.3 } else { 0.05 }, "{method:?}: {q:?}");
+        assert!(q.jumps <= if blurs { 0.05 } else { 0.0 }, "{method:?}: {q:?}");
+    }
+}
+
+#[test]
+fn loops_close_with_whole_patterns_and_their_seams_stay() {
+    // The outline of a ball is one loop in every frame.
+    let (p, t) = ball(48, 24);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let view = view(vec3(1.0, 3.0, 4.5));
+    let mut film = film(&scene, 10, &|i| (turned(&still, Vec3::Z, 2.0 * i as f32), view));
+    let (_, q) = solve(&mut film, &plain());
+    let loops: Vec<_> = film.frames.iter().flat_map(|f| &f.strokes).filter(|s| s.closed).collect();
+    assert!(loops.len() >= 8, "{}", loops.len());
+    for s in loops {
+        let period = s.u_period.expect("closed strokes have a period");
+        assert!((period - period.round()).abs() < 1e-9, "{period}");
+        assert_eq!(s.u.len(), s.samples.len() + 1);
+        assert!(s.u.windows(2).all(|u| u[1] > u[0]));
+    }
+    assert!(q.slide_p95 < 1.0, "{q:?}");
+}
+
+#[test]
+fn stretched_textures_cover_their_lines() {
+    let mut film = torus_film(8, 1.0);
+    let knobs = LinesKnobs { texture: Texture::Stretched, w_end: 10.0, ..plain() };
+    let (_, q) = solve(&mut film, &knobs);
+    assert_eq!(q.folds, 0);
+    for s in film.frames.iter().flat_map(|f| &f.strokes).filter(|s| s.total() > 60.0) {
+        let (first, last) = (s.u[0], s.u[s.u.len() - 1]);
+        assert!(first.abs() < 0.12 && (last - 1.0).abs() < 0.12, "{first} {last}");
+        assert!((s.pixels_per_u - s.total()).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn octaves_follow_a_zoom() {
+    let (p, t) = torus(80, 40, 0.1);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let at = |i: usize| (still.clone(), view(vec3(1.0, 3.0, 4.5) * 0.96f32.powi(i as i32)));
+    let measured = |octaves: bool| {
+        let mut film = film(&scene, 16, &at);
+        let knobs = LinesKnobs { octaves, coherence: 0.9, ..plain() };
+        let (_, q) = solve(&mut film, &knobs);
+        let last = film.frames[15].strokes[0].pixels_per_u;
+        (q, last / f64::from(knobs.pattern_length))
+    };
+    let ((fixed, one), (grown, more)) = (measured(false), measured(true));
+    assert_eq!(one, 1.0);
+    assert!(more > 1.4 && more < 2.6, "{more}");
+    assert!(grown.slide_p95 < 0.5 * fixed.slide_p95, "{grown:?} {fixed:?}");
+    assert!(grown.stretch_p95 < fixed.stretch_p95, "{grown:?} {fixed:?}");
+}
+
+#[test]
+fn every_way_to_cut_and_link_folds_nothing() {
+    for cuts in [Cuts::Charts, Cuts::Links, Cuts::Events, Cuts::Unpaired, Cuts::None] {
+        for links in [Links::Projected, Links::Swept] {
+            let mut film = torus_film(10, 6.0);
+            let (solved, q) = solve(&mut film, &LinesKnobs { cuts, links, ..plain() });
+            assert_eq!(q.folds, 0, "{cuts:?} {links:?}");
+            assert_eq!(solved.saved.is_some(), matches!(cuts, Cuts::Events | Cuts::Unpaired));
+        }
+    }
+    let counted = |cuts: Cuts| {
+        let mut film = torus_film(16, 6.0);
+        let (solved, _) = solve(&mut film, &LinesKnobs { cuts, ..plain() });
+        solved.saved.expect("cuts at events are counted")
+    };
+    let (paired, unpaired) = (counted(Cuts::Events), counted(Cuts::Unpaired));
+    assert_eq!(paired.events, unpaired.events);
+    assert!(paired.cut_places <= unpaired.cut_places, "{paired:?} {unpaired:?}");
+}
+
+#[test]
+fn poor_films_are_parameterized() {
+    let flat = sheet(3, 0.0);
+    let lone = (vec![Vec3::X, Vec3::Y, Vec3::Z], vec![[0, 1, 2]]);
+    let none = (vec![], vec![]);
+    for (positions, triangles) in [flat, lone, none] {
+        let scene = scene(positions, triangles, false);
+        let still = frame(&scene);
+        for count in [0, 1, 2] {
+            for method in [Method::Global, Method::Propagate, Method::Diffuse, Method::Arclength] {
+                for from in [vec3(3.0, 4.0, 5.0), vec3(0.0, 0.0, 1e-6), vec3(0.0, 400.0, 1.0)] {
+                    let mut film = film(&scene, count, &|_| (still.clone(), view(from)));
+                    let (_, q) = solve(&mut film, &LinesKnobs { method, ..plain() });
+                    assert!(q.slide_p95.is_finite());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn diffusion_goes_frame_by_frame_without_a_future() {
+    let mut film = torus_film(6, 1.0);
+    let mut diffuser = Diffuser::default();
+    let mut pens: Vec<f64> = Vec::new();
+    for frame in &mut film.frames {
+        let fresh = |_: &chiaro_lines::Stroke, j: usize| chiaro_lines::parameter::Gesture {
+            width: 2.0,
+            angle: 0.3,
+            pressure: (j % 7) as f64,
+        };
+        let gestures = diffuser.gestures(&frame.strokes, &frame.view, fresh);
+        diffuser.advance(&mut frame.strokes, &frame.view, 20.0);
+        diffuser.record(&gestures);
+        let all = gestures.iter().flatten();
+        pens.extend(all.clone().map(|g| g.width));
+        assert!(all.clone().all(|g| (0.0..=6.0).contains(&g.pressure)));
+    }
+    assert!(pens.iter().all(|w| (w - 2.0).abs() < 1e-9), "a constant stays one");
+    let q = quality(&film);
+    assert!(q.slide_p95 < 4.0, "{q:?}");
+}
+
+#[test]
+fn threads_change_no_parameter() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            let mut film = torus_film(8, 4.0);
+            solve(&mut film, &plain());
+            film.frames.into_iter().map(|f| f.strokes).collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(on(1), on(3));
+}

@@ -1,0 +1,207 @@
+//! [`Normal`]: normal equations A'WA x = A'Wb of sparse rows, by Cholesky factorization.
+//!
+//! 1. Unknowns that share a row belong to one part; parts are solved on their own, in parallel.
+//! 2. Each part's lower triangle is laid out by columns once, and every product of two coefficients
+//!    of a row knows its place there.
+//! 3. The factor's pattern (a library's, ordered by minimum degree) is found once. Each factorization
+//!    runs on one thread, so that sums have one order.
+
+use crate::rows::Rows;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+use rayon::prelude::*;
+
+/// The rows leave an unknown free, or a weight is no finite number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the equations do not determine unknown {unknown}")]
+pub struct Singular {
+    /// One of the unknowns of the part that has no solution.
+    pub unknown: usize,
+}
+
+/// The pattern of a problem, factored.
+pub struct Normal {
+    rows: Rows,
+    parts: Vec<Part>,
+}
+
+/// Unknowns that hang together.
+struct Part {
+    /// Its unknowns, rising: local to global.
+    unknowns: Vec<u32>,
+    /// Its rows.
+    rows: Vec<u32>,
+    /// Lower triangle by columns, in local numbers.
+    starts: Vec<usize>,
+    below: Vec<usize>,
+    /// For each row in turn, for each pair of its entries (i, j <= i), the place of their product.
+    places: Vec<u32>,
+    symbolic: Option<SymbolicCholesky<usize>>,
+}
+
+impl Normal {
+    /// Lays out and factors the pattern of some equations.
+    pub fn new(rows: &Rows) -> Self {
+        let (members, equations, local) = parts_of(rows);
+        let parts = members.into_par_iter().zip(equations);
+        let parts = parts.map(|(unknowns, own)| Part::new(rows, unknowns, own, &local)).collect();
+        Self { rows: rows.clone(), parts }
+    }
+
+    /// The equations.
+    pub fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
+    /// How many independent problems there are.
+    pub fn parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// The unknowns that minimize the sum of weight times (left side - right side) squared.
+    pub fn solve(&self, weights: &[f64], right: &[f64]) -> Result<Vec<f64>, Singular> {
+        assert!(weights.len() == self.rows.len() && right.len() == self.rows.len());
+        let solve = |part: &Part| part.solve(&self.rows, weights, right);
+        let solved: Vec<Result<Vec<f64>, Singular>> = self.parts.par_iter().map(solve).collect();
+        let mut x = vec![0.0; self.rows.unknowns()];
+        for (part, values) in self.parts.iter().zip(solved) {
+            for (unknown, value) in part.unknowns.iter().zip(values?) {
+                x[*unknown as usize] = value;
+            }
+        }
+        Ok(x)
+    }
+}
+
+/// Unknowns and rows of each part, and each unknown's number within its part.
+fn parts_of(rows: &Rows) -> (Vec<Vec<u32>>, Vec<Vec<u32>>, Vec<u32>) {
+    let mut parent: Vec<u32> = (0..rows.unknowns() as u32).collect();
+    for r in 0..rows.len() {
+        for pair in rows.row(r).windows(2) {
+            let (a, b) = (root(&mut parent, pair[0].0), root(&mut parent, pair[1].0));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let (mut part, mut local) = (vec![u32::MAX; parent.len()], vec![0; parent.len()]);
+    let mut members: Vec<Vec<u32>> = Vec::new();
+    for i in 0..parent.len() as u32 {
+        let r = root(&mut parent, i) as usize;
+        if part[r] == u32::MAX {
+            part[r] = members.len() as u32;
+            members.push(Vec::new());
+        }
+        part[i as usize] = part[r];
+        let own = &mut members[part[r] as usize];
+        local[i as usize] = own.len() as u32;
+        own.push(i);
+    }
+    let mut equations = vec![Vec::new(); members.len()];
+    for r in 0..rows.len() {
+        if let Some((unknown, _)) = rows.row(r).first() {
+            equations[part[*unknown as usize] as usize].push(r as u32);
+        }
+    }
+    (members, equations, local)
+}
+
+fn root(parent: &mut [u32], mut x: u32) -> u32 {
+    while parent[x as usize] != x {
+        parent[x as usize] = parent[parent[x as usize] as usize];
+        x = parent[x as usize];
+    }
+    x
+}
+
+/// The pairs of entries of a row, each as (column, row) of the lower triangle.
+fn pairs<'a>(
+    row: &'a [(u32, f64)],
+    local: &'a [u32],
+) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+    row.iter().enumerate().flat_map(move |(k, (i, a))| {
+        row[..=k].iter().map(move |(j, b)| {
+            let (i, j) = (local[*i as usize] as usize, local[*j as usize] as usize);
+            (i.min(j), i.max(j), a * b)
+        })
+    })
+}
+
+impl Part {
+    fn new(rows: &Rows, unknowns: Vec<u32>, own: Vec<u32>, local: &[u32]) -> Self {
+        let n = unknowns.len();
+        let mut columns: Vec<Vec<usize>> = (0..n).map(|i| vec![i]).collect();
+        let all = || own.iter().flat_map(|r| pairs(rows.row(*r as usize), local));
+        all().for_each(|(column, row, _)| columns[column].push(row));
+        for column in &mut columns {
+            column.sort_unstable();
+            column.dedup();
+        }
+        let mut starts = vec![0];
+        for column in &columns {
+            starts.push(starts[starts.len() - 1] + column.len());
+        }
+        let place = |(column, row, _): (usize, usize, f64)| {
+            let k = columns[column].binary_search(&row).expect("the pattern holds every pair");
+            (starts[column] + k) as u32
+        };
+        let places = all().map(place).collect();
+        let below: Vec<usize> = columns.concat();
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &below);
+        let params = CholeskySymbolicParams::default();
+        let symbolic =
+            factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params).ok();
+        Self { unknowns, rows: own, starts, below, places, symbolic }
+    }
+
+    fn solve(&self, rows: &Rows, weights: &[f64], right: &[f64]) -> Result<Vec<f64>, Singular> {
+        let singular = Singular { unknown: self.unknowns[0] as usize };
+        let (values, mut x) = self.assembled(rows, weights, right);
+        let finite = values.iter().chain(&x).all(|v| v.is_finite());
+        let symbolic = self.symbolic.as_ref().filter(|_| finite).ok_or(singular)?;
+        let n = x.len();
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.starts, None, &self.below);
+        let matrix = SparseColMatRef::new(pattern, values.as_slice());
+        let mut factor = vec![0.0; symbolic.len_val()];
+        let request = symbolic
+            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let mut memory = MemBuffer::try_new(request).map_err(|_| singular)?;
+        let stack = MemStack::new(&mut memory);
+        let llt = symbolic
+            .factorize_numeric_llt(
+                &mut factor,
+                matrix,
+                Side::Lower,
+                LltRegularization::default(),
+                Par::Seq,
+                stack,
+                Default::default(),
+            )
+            .map_err(|_| singular)?;
+        let column = MatMut::from_column_major_slice_mut(&mut x, n, 1);
+        llt.solve_in_place_with_conj(Conj::No, column, Par::Seq, stack);
+        if x.iter().all(|v| v.is_finite()) { Ok(x) } else { Err(singular) }
+    }
+
+    /// The lower triangle of A'WA, and A'Wb.
+    fn assembled(&self, rows: &Rows, weights: &[f64], right: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut values = vec![0.0; self.below.len()];
+        let mut x = vec![0.0; self.unknowns.len()];
+        let mut places = self.places.iter();
+        for &r in &self.rows {
+            let (row, weight) = (rows.row(r as usize), weights[r as usize]);
+            for (k, (i, a)) in row.iter().enumerate() {
+                for ((_, b), place) in row[..=k].iter().zip(places.by_ref()) {
+                    values[*place as usize] += weight * a * b;
+                }
+                let at = self.unknowns.binary_search(i).expect("a part holds its rows' unknowns");
+                x[at] += weight * a * right[r as usize];
+            }
+        }
+        (values, x)
+    }
+}
