@@ -1,7 +1,6 @@
 //! Lines along which pieces of the surface pass through each other.
 //!
-//! 1. Faces of different pieces that share a tile of the picture and a range of depths are tried in
-//!    pairs. Nothing is tried where the surface is one piece, and a piece is not tried against itself.
+//! 1. Faces of different pieces that share a tile of the picture and of space are tried in pairs. Nothing is tried where the surface is one piece, and a piece is not tried against itself.
 //! 2. Two faces share a segment. Its ends are where an edge of one goes through the other, and so
 //!    belong to the neighbour across that edge too: by them segments are chained.
 //!
@@ -12,7 +11,7 @@ use crate::path::{Kind, Path, Point, Segment};
 use crate::sight::Sight;
 use crate::surface::{NONE, Surface};
 use chiaro_basis::math::DVec3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, HashMap};
 
 /// What is behind a face by less than this counts as before it, in parts of the face's size: feet on
 /// a floor only touch it.
@@ -34,12 +33,11 @@ pub(crate) fn intersections(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Pat
         return Vec::new();
     }
     let edges = Edges::of(scenery.surface);
-    let mut holes = BTreeMap::new();
+    let mut holes = HashMap::new();
     let mut shared = Vec::new();
-    for (f, g) in pairs(sight, pieces) {
-        let ends = edges.holes(scenery, (f, g), &mut holes);
-        if let [a, b] = ends[..] {
-            shared.push(Shared { faces: [f, g], ends: [a, b] });
+    for (f, g) in pairs(scenery, sight) {
+        if let Some(ends) = edges.holes(scenery, (f, g), &mut holes) {
+            shared.push(Shared { faces: [f, g], ends });
         }
     }
     let chains = chained(&shared);
@@ -47,36 +45,93 @@ pub(crate) fn intersections(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Pat
     chains.iter().enumerate().map(path).collect()
 }
 
-/// Faces of different pieces that may touch in the picture, each pair once, rising.
-fn pairs(sight: &Sight<'_>, pieces: &[u32]) -> BTreeSet<(u32, u32)> {
-    let mut pairs = BTreeSet::new();
-    let mut here: Vec<(f64, f64, u32)> = Vec::new();
+/// A face with its least and greatest coordinates.
+struct Boxed {
+    face: u32,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Boxed {
+    fn of(face: u32, scenery: &Scenery<'_>) -> Self {
+        let corners = scenery.surface.faces[face as usize];
+        let [a, b, c] = corners.map(|v| scenery.posed.positions[v as usize]);
+        Self { face, low: a.min(b).min(c), high: a.max(b).max(c) }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+}
+
+/// Faces of different pieces that pass through each other's planes in the picture, each pair once,
+/// rising.
+fn pairs(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<(u32, u32)> {
+    let pieces = &scenery.surface.pieces;
+    let piece = |b: &Boxed| pieces[b.face as usize];
+    let mut pairs = Vec::new();
+    let mut here: Vec<Boxed> = Vec::new();
     for faces in sight.tiles() {
         let first = faces.first().map(|f| pieces[*f as usize]);
         if faces.iter().all(|f| Some(pieces[*f as usize]) == first) {
             continue;
         }
         here.clear();
-        here.extend(faces.iter().map(|&f| {
-            let [near, far] = sight.depths(f);
-            (near, far, f)
-        }));
-        here.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+        here.extend(faces.iter().map(|&f| Boxed::of(f, scenery)));
+        here.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.face.cmp(&b.face)));
         for (i, a) in here.iter().enumerate() {
-            for b in here[i + 1..].iter().take_while(|b| b.0 <= a.1) {
-                if pieces[a.2 as usize] != pieces[b.2 as usize] {
-                    pairs.insert((a.2.min(b.2), a.2.max(b.2)));
+            for b in here[i + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
+                if piece(a) != piece(b)
+                    && a.meets(b)
+                    && is_split(scenery, a.face, b.face)
+                    && is_split(scenery, b.face, a.face)
+                {
+                    pairs.push((a.face.min(b.face), a.face.max(b.face)));
                 }
             }
         }
     }
+    pairs.sort_unstable();
+    pairs.dedup();
     pairs
+}
+
+/// Whether a face has corners on both sides of the plane of another.
+fn is_split(scenery: &Scenery<'_>, face: u32, by: u32) -> bool {
+    let plane = Plane::of(scenery, by);
+    let corners = scenery.surface.faces[face as usize];
+    let before = |v: u32| plane.before(scenery.posed.positions[v as usize]).1;
+    let first = before(corners[0]);
+    corners[1..].iter().any(|v| before(*v) != first)
+}
+
+/// The plane of a face.
+struct Plane {
+    corners: [DVec3; 3],
+    normal: DVec3,
+    least: f64,
+}
+
+impl Plane {
+    fn of(scenery: &Scenery<'_>, face: u32) -> Self {
+        let corners =
+            scenery.surface.faces[face as usize].map(|v| scenery.posed.positions[v as usize]);
+        let normal = scenery.posed.face_normals[face as usize];
+        let size = corners[0].distance(corners[1]).max(corners[1].distance(corners[2]));
+        Self { corners, normal, least: TOUCH * size }
+    }
+
+    /// The distance of a point, and whether that counts as before the plane.
+    fn before(&self, p: DVec3) -> (f64, bool) {
+        let d = (p - self.corners[0]).dot(self.normal);
+        (d, d >= -self.least)
+    }
 }
 
 /// Edges as they are in space: the two sides of a crease have one name.
 struct Edges<'a> {
     surface: &'a Surface,
-    twin: BTreeMap<u32, u32>,
+    twin: HashMap<u32, u32>,
 }
 
 impl<'a> Edges<'a> {
@@ -93,37 +148,42 @@ impl<'a> Edges<'a> {
         })
     }
 
-    /// Where the edges of each of two faces go through the other; `known` remembers how far along
-    /// its edge each hole is.
+    /// The two places where the edges of two faces go through the other; `known` is told how far
+    /// along its edge each is.
     fn holes(
         &self,
         scenery: &Scenery<'_>,
         (f, g): (u32, u32),
-        known: &mut BTreeMap<Hole, Option<f64>>,
-    ) -> Vec<Hole> {
-        let of = |from: u32, to: u32| self.of_face(from).map(|e| (e, to));
-        let all = of(f, g).into_iter().chain(of(g, f));
-        all.filter(|hole| known.entry(*hole).or_insert_with(|| through(scenery, *hole)).is_some())
-            .collect()
+        known: &mut HashMap<Hole, f64>,
+    ) -> Option<[Hole; 2]> {
+        let mut found = [(NONE, NONE); 2];
+        let mut count = 0;
+        for (from, to) in [(f, g), (g, f)] {
+            for edge in self.of_face(from) {
+                let hole = (edge, to);
+                let Some(t) = through(scenery, hole) else { continue };
+                known.insert(hole, t);
+                *found.get_mut(count)? = hole;
+                count += 1;
+            }
+        }
+        (count == 2).then_some(found)
     }
 }
 
 /// How far along an edge it goes through a face, if it does.
 fn through(scenery: &Scenery<'_>, (edge, face): Hole) -> Option<f64> {
-    let p = &scenery.posed.positions;
-    let [a, b] = scenery.surface.ends(edge).map(|v| p[v as usize]);
-    let corners = scenery.surface.faces[face as usize].map(|v| p[v as usize]);
-    let normal = scenery.posed.face_normals[face as usize];
-    let (da, db) = ((a - corners[0]).dot(normal), (b - corners[0]).dot(normal));
-    let least = TOUCH * corners[0].distance(corners[1]).max(corners[1].distance(corners[2]));
-    if (da >= -least) == (db >= -least) {
+    let [a, b] = scenery.surface.ends(edge).map(|v| scenery.posed.positions[v as usize]);
+    let plane = Plane::of(scenery, face);
+    let ((da, a_before), (db, b_before)) = (plane.before(a), plane.before(b));
+    if a_before == b_before {
         return None;
     }
     let t = (da / (da - db)).clamp(0.0, 1.0);
     let at = a.lerp(b, t);
     let inside = (0..3).all(|i| {
-        let (u, v) = (corners[i], corners[(i + 1) % 3]);
-        (v - u).cross(at - u).dot(normal) >= 0.0
+        let (u, v) = (plane.corners[i], plane.corners[(i + 1) % 3]);
+        (v - u).cross(at - u).dot(plane.normal) >= 0.0
     });
     inside.then_some(t)
 }
@@ -169,13 +229,13 @@ fn path(
     index: u32,
     chain: &Chain,
     shared: &[Shared],
-    holes: &BTreeMap<Hole, Option<f64>>,
+    holes: &HashMap<Hole, f64>,
     scenery: &Scenery<'_>,
     edges: &Edges<'_>,
 ) -> Path {
     let point = |(hole, k): (Hole, usize)| {
         let [a, b] = edges.surface.ends(hole.0).map(|v| v as usize);
-        let t = holes[&hole].unwrap_or(0.5);
+        let t = holes[&hole];
         let mix = |v: &[DVec3]| v[a].lerp(v[b], t);
         let world = mix(&scenery.posed.positions);
         Point { world, next: scenery.next.map(mix), pushed: world, on_chain: k as f64 }

@@ -82,12 +82,6 @@ impl<'a> Sight<'a> {
         self.start.windows(2).map(move |w| &self.faces[range(w)])
     }
 
-    /// The least and greatest depth of a face.
-    pub(crate) fn depths(&self, face: u32) -> [f64; 2] {
-        let z = self.surface.faces[face as usize].map(|v| self.vertices[v as usize][3]);
-        [z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2])]
-    }
-
     /// The depth at which a face covers a picture position.
     fn depth(&self, face: u32, at: DVec2) -> Option<f64> {
         let corners = self.surface.faces[face as usize].map(|v| self.vertices[v as usize]);

@@ -35,4 +35,4 @@ pub use partition::{Partition, Region};
 pub use path::{Path, Point, Segment};
 pub use soften::{NOTHING, Soft};
 pub use stroke::draw;
-pub use travel::{Plan, joined, plan};
+pub use travel::{Plan, joined, plan, route};

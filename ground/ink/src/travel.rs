@@ -24,16 +24,21 @@ pub struct Plan {
 
 /// Joins, orders and reverses strokes.
 pub fn plan(paths: Vec<Path>, join: f64) -> Plan {
-    let paths = ordered(joined(paths, join));
-    let paths = untangled(paths);
+    let (routed, travel) = route(joined(paths, join));
+    Plan { paths: routed.into_iter().map(|(_, path)| path).collect(), travel }
+}
+
+/// Orders and reverses strokes without joining any; each comes with its index in `paths`.
+pub fn route(paths: Vec<Path>) -> (Vec<(usize, Path)>, Travel) {
+    let paths = untangled(ordered(paths));
     let mut at = [0.0; 2];
     let mut travel = Travel::default();
-    for path in &paths {
+    for (_, path) in &paths {
         travel.up += distance(at, path.start);
         travel.down += path.length();
         at = path.end();
     }
-    Plan { paths, travel }
+    (paths, travel)
 }
 
 /// An end of a stroke: its number, and whether it is the last point.
@@ -163,7 +168,7 @@ fn leaving_end(path: &Path) -> (Point, [Point; 3]) {
 }
 
 /// Nearest end next.
-fn ordered(paths: Vec<Path>) -> Vec<Path> {
+fn ordered(paths: Vec<Path>) -> Vec<(usize, Path)> {
     let cell = cell_size(&paths);
     let mut grid = Grid::new(cell);
     for (i, path) in paths.iter().enumerate() {
@@ -173,7 +178,7 @@ fn ordered(paths: Vec<Path>) -> Vec<Path> {
         }
     }
     let reach = reach(&paths, cell);
-    let mut out: Vec<Path> = Vec::with_capacity(paths.len());
+    let mut out: Vec<(usize, Path)> = Vec::with_capacity(paths.len());
     let mut at = [0.0; 2];
     while let Some((i, last)) = nearest(&grid, &paths, at, reach) {
         let path = &paths[i];
@@ -183,7 +188,7 @@ fn ordered(paths: Vec<Path>) -> Vec<Path> {
         }
         let path = if last { path.reversed() } else { entered_near(path, at) };
         at = path.end();
-        out.push(path);
+        out.push((i, path));
     }
     out
 }
@@ -241,9 +246,9 @@ const WINDOW: usize = 120;
 const ROUNDS: usize = 12;
 
 /// 2-opt: reverses runs of strokes while that shortens the way.
-fn untangled(paths: Vec<Path>) -> Vec<Path> {
+fn untangled(paths: Vec<(usize, Path)>) -> Vec<(usize, Path)> {
     // The two ends of each stroke as drawn now, and its number, negative when reversed.
-    let mut ends: Vec<(Point, Point)> = paths.iter().map(|p| (p.start, p.end())).collect();
+    let mut ends: Vec<(Point, Point)> = paths.iter().map(|(_, p)| (p.start, p.end())).collect();
     let mut order: Vec<(usize, bool)> = (0..paths.len()).map(|i| (i, false)).collect();
     for _ in 0..ROUNDS {
         let mut changed = false;
@@ -269,7 +274,7 @@ fn untangled(paths: Vec<Path>) -> Vec<Path> {
         }
     }
     let drawn = |(i, back): (usize, bool)| match back {
-        true => paths[i].reversed(),
+        true => (paths[i].0, paths[i].1.reversed()),
         false => paths[i].clone(),
     };
     order.into_iter().map(drawn).collect()
@@ -334,6 +339,25 @@ mod tests {
         assert_eq!(plan.paths.len(), 400);
         assert!((plan.travel.down - drawn).abs() < 1e-6);
         assert!(plan.travel.up < 0.06 * before, "{} of {before}", plan.travel.up);
+    }
+
+    #[test]
+    fn a_route_keeps_every_stroke_and_says_which_it_is() {
+        let paths: Vec<Path> = (0..40)
+            .map(|i| {
+                let x = f64::from(i * 17 % 40);
+                if i % 3 == 0 { line([x, 9.0], [x, 0.0]) } else { line([x, 0.0], [x, 9.0]) }
+            })
+            .collect();
+        let before: f64 = paths.windows(2).map(|p| distance(p[0].end(), p[1].start)).sum();
+        let (routed, travel) = route(paths.clone());
+        assert!(travel.up < 0.2 * before, "{} of {before}", travel.up);
+        let mut seen: Vec<usize> = routed.iter().map(|r| r.0).collect();
+        seen.sort_unstable();
+        assert_eq!(seen, (0..40).collect::<Vec<_>>());
+        for (i, path) in routed {
+            assert!(path == paths[i] || path == paths[i].reversed());
+        }
     }
 
     #[test]

@@ -5,6 +5,9 @@
 //! stroke's type and id; parts of one line in one frame get a second number. Its data attributes
 //! hold type, id, u at both ends, the period of closed strokes, and the brush's mark.
 //!
+//! What a pen draws is ordered and reversed, layer by layer, for little travel; nothing is joined, since
+//! each stroke has its id.
+//!
 //! Grain and pictures of strokes have no outline: such strokes are even here.
 
 use super::picture::frame;
@@ -12,7 +15,7 @@ use super::ready::{Drawn, ready};
 use super::{Job, Shot};
 use chiaro_basis::Result;
 use chiaro_ink::brush::{Rib, Ribbon, ribbons};
-use chiaro_ink::{Drawing, Fit, Layer, Mark, Path, Placement, Point, fit};
+use chiaro_ink::{Drawing, Fit, Layer, Mark, Path, Placement, Point, Segment, fit, route};
 use chiaro_lines::Kind;
 use std::collections::BTreeMap;
 
@@ -40,6 +43,7 @@ pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Re
                 drawn.iter().filter(|d| d.stroke.kind == kind && d.stroke.visible == visible);
             let marks: Vec<Mark> = of_kind.filter_map(|d| pen.mark(d)).collect();
             if !marks.is_empty() {
+                let marks = routed(marks);
                 drawing.layers.push(Layer { name: format!("{prefix}{}", kind.name()), marks });
             }
         }
@@ -147,4 +151,52 @@ fn data(drawn: &Drawn<'_>) -> Vec<(&'static str, String)> {
         data.push(("mark", word));
     }
     data
+}
+
+/// Marks in an order and direction that spares a pen travel, where all are drawn by one.
+fn routed(marks: Vec<Mark>) -> Vec<Mark> {
+    // A mark of several paths is drawn from the first to the last, as if it were one line.
+    let way = |m: &Mark| match m {
+        Mark::Named { paths, .. } => match &paths[..] {
+            [one] => Some(one.clone()),
+            [first, .., last] => Some(Path {
+                start: first.start,
+                segments: vec![Segment::Line(last.end())],
+                closed: false,
+            }),
+            [] => None,
+        },
+        _ => None,
+    };
+    let ways: Vec<Path> = marks.iter().filter_map(way).collect();
+    if ways.len() < marks.len() {
+        return marks;
+    }
+    let mut marks: Vec<Option<Mark>> = marks.into_iter().map(Some).collect();
+    let (order, _) = route(ways.clone());
+    order
+        .into_iter()
+        .filter_map(|(i, path)| {
+            let back = !path.closed && path != ways[i];
+            marks[i].take().map(|m| if back { reversed(m) } else { m })
+        })
+        .collect()
+}
+
+/// A mark drawn from its end.
+fn reversed(mark: Mark) -> Mark {
+    match mark {
+        Mark::Named { name, paths, width, colour, mut data } => {
+            for (key, _) in &mut data {
+                *key = match *key {
+                    "u0" => "u1",
+                    "u1" => "u0",
+                    other => other,
+                };
+            }
+            let paths = paths.iter().rev().map(Path::reversed).collect();
+            Mark::Named { name, paths, width, colour, data }
+        }
+        other => other,
+    }
 }

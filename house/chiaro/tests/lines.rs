@@ -1,0 +1,87 @@
+//! The lines of every animated file of the data, where it is there: silhouettes of closed meshes are
+//! closed, chains of others end on borders, S has its Euler characteristic, and slices that S reaches
+//! are those that the frames show.
+
+use chiaro::{Options, Project};
+use chiaro_basis::Run;
+use chiaro_lines::{Crossing, CreaseRule, Posed, Slice, Surface, View, track};
+use chiaro_scene::{Pose, Projection};
+use std::path::{Path, PathBuf};
+
+/// Scene files below a folder, in order.
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
+    paths.sort();
+    for path in paths {
+        if path.is_dir() {
+            files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "gltf" || e == "glb") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn silhouettes_of_real_animations_are_closed_and_s_is_a_surface() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/anim");
+    let mut found = Vec::new();
+    files(&data, &mut found);
+    if found.is_empty() {
+        return println!("skipped: ../shared/data/anim is absent");
+    }
+    for file in found {
+        follow(&file);
+    }
+}
+
+fn follow(file: &Path) {
+    let name = file.display();
+    let run = Run::default();
+    let project = Project::open(&file.to_string_lossy(), Options::default(), &run).unwrap();
+    let poser = project.poser();
+    let frame = |i: u32| poser.frame(f64::from(i) / 24.0, &project.playback);
+    let rule = CreaseRule { angle: 0.7, smooth_angle: 1.3 };
+    // Every other shape refined, so that both kinds are followed.
+    let levels: Vec<u8> = (0..frame(0).shapes.len()).map(|i| (i % 2) as u8).collect();
+    let surface = Surface::refined(&project.scene, &frame(0), &rule, &levels);
+    let bounds = frame(0).bounds();
+    let mut before: Option<(Vec<f64>, Slice)> = None;
+    let mut kinetic: Option<track::Kinetic<'_>> = None;
+    for i in 0..24 {
+        let away = chiaro_basis::math::vec3(1.0, 0.4, 1.7) * 2.0 * bounds.radius();
+        let projection = Projection::Perspective { fov_y: 0.6 };
+        let up = chiaro_basis::math::Vec3::Y;
+        let pose = Pose::look_at(bounds.centre() + away, bounds.centre(), up, projection);
+        let posed = Posed::new(&surface, &frame(i), 0);
+        let g = posed.facing(&View::new(pose, (320, 240)));
+        let slice = Slice::of(&surface, &g);
+        for chain in &slice.chains {
+            let c: &[Crossing] = chain.of(&slice);
+            let ends = [c[0], c[c.len() - 1]];
+            let on_border = ends.iter().all(|e| surface.is_border(e.edge));
+            assert!(chain.closed || on_border, "{name}, frame {i}: a chain ends in the surface");
+        }
+        if let (Some((old, old_slice)), Some(k)) = (&before, &mut kinetic) {
+            let interval = k.step(old, &g, [old_slice, &slice], track::Order::Time);
+            let sides: Vec<bool> = g.iter().map(|v| *v >= 0.0).collect();
+            assert!(k.sides() == sides, "{name}, frame {i}: S leads to another slice");
+            let closed = surface.mate.iter().all(|m| *m != chiaro_lines::surface::NONE);
+            if closed {
+                let sum: i64 = interval.events.iter().map(characteristic).sum();
+                assert_eq!(interval.euler, sum, "{name}, frame {i}");
+            }
+        } else {
+            kinetic = Some(track::Kinetic::new(&surface, &g, &slice, 0));
+        }
+        before = Some((g, slice));
+    }
+}
+
+/// What an event of a closed surface adds to the Euler characteristic of S.
+fn characteristic(event: &track::Event) -> i64 {
+    match event.kind {
+        track::EventKind::Saddle => 1 - i64::from(event.arcs),
+        _ => 1,
+    }
+}
