@@ -21,6 +21,38 @@ pub struct Sight<'a> {
     rows: usize,
     start: Vec<u32>,
     faces: Vec<u32>,
+    /// Beside each of `faces`, what it surely stays within: questions touch little else.
+    bounds: Vec<Bounds>,
+}
+
+/// Least and greatest picture position of a face, and its least depth; a little too wide.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: [f32; 2],
+    high: [f32; 2],
+    near: f32,
+}
+
+/// By how much bounds are too wide, in parts of their numbers: more than single precision loses.
+const WIDER: f64 = 1e-6;
+
+impl Bounds {
+    const NONE: Self = Self { low: [0.0; 2], high: [0.0; 2], near: 0.0 };
+
+    fn of(low: DVec2, high: DVec2, near: f64) -> Self {
+        let down = |x: f64| (x - WIDER * x.abs().max(1e-30)) as f32;
+        let up = |x: f64| (x + WIDER * x.abs().max(1e-30)) as f32;
+        Self {
+            low: [down(low.x), down(low.y)],
+            high: [up(high.x), up(high.y)],
+            near: down(near),
+        }
+    }
+
+    fn may_hide(&self, [x, y]: [f32; 2], depth: f32) -> bool {
+        let inside = (self.low[0] <= x) & (x <= self.high[0]) & (self.low[1] <= y);
+        inside & (y <= self.high[1]) & (self.near <= depth)
+    }
 }
 
 impl<'a> Sight<'a> {
@@ -44,8 +76,10 @@ impl<'a> Sight<'a> {
             if !hides(f, front) {
                 continue;
             }
-            let Some(span) = span(&corners, near, columns, rows) else { continue };
-            spans.push((f as u32, span));
+            let Some((low, high)) = extent(&corners, near) else { continue };
+            let Some(span) = span(low, high, columns, rows) else { continue };
+            let nearest = corners.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
+            spans.push((f as u32, span, Bounds::of(low, high, nearest)));
             for_tiles(span, columns, |t| start[t + 1] += 1);
         }
         for t in 0..columns * rows {
@@ -53,13 +87,15 @@ impl<'a> Sight<'a> {
         }
         let mut at = start.clone();
         let mut faces = vec![0; start[columns * rows] as usize];
-        for (f, span) in spans {
+        let mut bounds = vec![Bounds::NONE; faces.len()];
+        for (f, span, bound) in spans {
             for_tiles(span, columns, |t| {
                 faces[at[t] as usize] = f;
+                bounds[at[t] as usize] = bound;
                 at[t] += 1;
             });
         }
-        Self { surface, vertices, columns, rows, start, faces }
+        Self { surface, vertices, columns, rows, start, faces, bounds }
     }
 
     /// Whether some face other than `own` hides what is at a picture position, at least `slack`
@@ -70,8 +106,10 @@ impl<'a> Sight<'a> {
             return false;
         }
         let tile = ty as usize * self.columns + tx as usize;
-        let faces = &self.faces[self.start[tile] as usize..self.start[tile + 1] as usize];
-        faces.iter().any(|f| {
+        let range = self.start[tile] as usize..self.start[tile + 1] as usize;
+        let (place, far) = ([at.x as f32, at.y as f32], (depth * (1.0 + WIDER)) as f32);
+        let faces = self.faces[range.clone()].iter().zip(&self.bounds[range]);
+        faces.filter(|(_, bounds)| bounds.may_hide(place, far)).any(|(f, _)| {
             !own.contains(f) && self.depth(*f, at).is_some_and(|z| z > 0.0 && z < depth - slack)
         })
     }
@@ -113,7 +151,8 @@ pub(crate) fn shows_front(c: &[[f64; 4]; 3]) -> Option<bool> {
 /// First and last column and row of the tiles that a face may cover.
 type Span = [u32; 4];
 
-fn span(corners: &[[f64; 4]; 3], near: f64, columns: usize, rows: usize) -> Option<Span> {
+/// Least and greatest picture position of what of a face is in front of the camera.
+fn extent(corners: &[[f64; 4]; 3], near: f64) -> Option<(DVec2, DVec2)> {
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let mut take = |x: f64, y: f64, w: f64| {
         let p = DVec2::new(x / w, y / w);
@@ -131,6 +170,10 @@ fn span(corners: &[[f64; 4]; 3], near: f64, columns: usize, rows: usize) -> Opti
             take(mix(0), mix(1), mix(2));
         }
     }
+    (low.x <= high.x && low.y <= high.y).then_some((low, high))
+}
+
+fn span(low: DVec2, high: DVec2, columns: usize, rows: usize) -> Option<Span> {
     let (w, h) = (columns as f64, rows as f64);
     let (low, high) = ((low / TILE).floor(), (high / TILE).floor());
     let outside = !(low.x < w && low.y < h && high.x >= 0.0 && high.y >= 0.0);
