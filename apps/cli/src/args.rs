@@ -124,7 +124,7 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1, 4.2, 4.4, 4.5 to 4.12, 4.lines, baselines, flicker, methods;
+        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1 to 4.12, 4.events, 4.lines, baselines, flicker, methods;
         /// none means all but the last two.
         names: Vec<String>,
         /// A scene for baselines, flicker and methods, which lay ways side by side; may be repeated.

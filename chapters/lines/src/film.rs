@@ -85,7 +85,8 @@ pub struct FilmEvent {
     pub at: Option<DVec2>,
     /// Ids of the strokes that take part: those of the chains involved that pass near.
     pub strokes: Vec<u32>,
-    labels: [Vec<u32>; 2],
+    /// Labels of the chains before and after.
+    pub labels: [Vec<u32>; 2],
 }
 
 /// A surface with its edge lines.

@@ -45,7 +45,8 @@ pub(crate) fn intersections(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Pat
     chains.iter().enumerate().map(path).collect()
 }
 
-/// A face with its least and greatest coordinates.
+/// A face, or a piece, with its least and greatest coordinates.
+#[derive(Clone, Copy)]
 struct Boxed {
     face: u32,
     low: DVec3,
@@ -53,6 +54,15 @@ struct Boxed {
 }
 
 impl Boxed {
+    fn nothing(face: u32) -> Self {
+        Self { face, low: DVec3::INFINITY, high: DVec3::NEG_INFINITY }
+    }
+
+    fn grow(&mut self, low: DVec3, high: DVec3) {
+        self.low = self.low.min(low);
+        self.high = self.high.max(high);
+    }
+
     fn of(face: u32, scenery: &Scenery<'_>) -> Self {
         let corners = scenery.surface.faces[face as usize];
         let [a, b, c] = corners.map(|v| scenery.posed.positions[v as usize]);
@@ -69,6 +79,7 @@ impl Boxed {
 fn pairs(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<(u32, u32)> {
     let pieces = &scenery.surface.pieces;
     let piece = |b: &Boxed| pieces[b.face as usize];
+    let regions = regions(scenery);
     let mut pairs = Vec::new();
     let mut here: Vec<Boxed> = Vec::new();
     for faces in sight.tiles() {
@@ -77,7 +88,8 @@ fn pairs(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<(u32, u32)> {
             continue;
         }
         here.clear();
-        here.extend(faces.iter().map(|&f| Boxed::of(f, scenery)));
+        let boxes = faces.iter().map(|&f| Boxed::of(f, scenery));
+        here.extend(boxes.filter(|b| regions[piece(b) as usize].meets(b)));
         here.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.face.cmp(&b.face)));
         for (i, a) in here.iter().enumerate() {
             for b in here[i + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
@@ -94,6 +106,29 @@ fn pairs(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<(u32, u32)> {
     pairs.sort_unstable();
     pairs.dedup();
     pairs
+}
+
+/// For each piece, a box that holds all of it that is within the boxes of others.
+fn regions(scenery: &Scenery<'_>) -> Vec<Boxed> {
+    let pieces = &scenery.surface.pieces;
+    let count = pieces.iter().max().map_or(0, |p| *p + 1);
+    let mut boxes: Vec<Boxed> = (0..count).map(Boxed::nothing).collect();
+    for (f, piece) in pieces.iter().enumerate() {
+        let face = Boxed::of(f as u32, scenery);
+        boxes[*piece as usize].grow(face.low, face.high);
+    }
+    let mut regions: Vec<Boxed> = (0..count).map(Boxed::nothing).collect();
+    boxes.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.face.cmp(&b.face)));
+    for (i, a) in boxes.iter().enumerate() {
+        for b in boxes[i + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
+            if a.meets(b) {
+                let (low, high) = (a.low.max(b.low), a.high.min(b.high));
+                regions[a.face as usize].grow(low, high);
+                regions[b.face as usize].grow(low, high);
+            }
+        }
+    }
+    regions
 }
 
 /// Whether a face has corners on both sides of the plane of another.

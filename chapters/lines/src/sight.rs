@@ -42,11 +42,7 @@ impl Bounds {
     fn of(low: DVec2, high: DVec2, near: f64) -> Self {
         let down = |x: f64| (x - WIDER * x.abs().max(1e-30)) as f32;
         let up = |x: f64| (x + WIDER * x.abs().max(1e-30)) as f32;
-        Self {
-            low: [down(low.x), down(low.y)],
-            high: [up(high.x), up(high.y)],
-            near: down(near),
-        }
+        Self { low: [down(low.x), down(low.y)], high: [up(high.x), up(high.y)], near: down(near) }
     }
 
     fn may_hide(&self, [x, y]: [f32; 2], depth: f32) -> bool {

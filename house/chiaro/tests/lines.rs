@@ -4,7 +4,7 @@
 
 use chiaro::{Options, Project};
 use chiaro_basis::Run;
-use chiaro_lines::{Crossing, CreaseRule, Posed, Slice, Surface, View, track};
+use chiaro_lines::{CreaseRule, Crossing, Posed, Slice, Surface, View, track};
 use chiaro_scene::{Pose, Projection};
 use std::path::{Path, PathBuf};
 

@@ -13,7 +13,7 @@ use chiaro_lines::{FilmEvent, FilmFrame, Kind, LinesKnobs, View};
 use chiaro_scene::{Pose, demo};
 
 const SIZE: (usize, usize) = (560, 420);
-const OBJECT: &str = "bumpy-torus";
+pub(super) const OBJECT: &str = "bumpy-torus";
 
 pub(super) const FIGURES: [Figure; 5] = [
     Figure {
@@ -177,7 +177,7 @@ fn material_points(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 /// A mark in the picture: its strokes, all small.
-fn mark(kind: EventKind, at: DVec2, radius: f64) -> Vec<Polyline> {
+pub(super) fn mark(kind: EventKind, at: DVec2, radius: f64) -> Vec<Polyline> {
     let ring = |r: f64| Polyline {
         points: (0..16)
             .map(|i| {

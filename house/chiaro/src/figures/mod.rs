@@ -9,6 +9,7 @@ mod films;
 mod methods;
 mod plate;
 mod strokes;
+mod swept;
 
 use crate::page::{self, Section};
 use crate::record::{Output, Record};
@@ -33,7 +34,8 @@ struct Figure {
 /// The figures, in the thesis's order.
 fn all() -> impl Iterator<Item = &'static Figure> {
     let chapter3 = chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES);
-    chapter3.chain(&chapter4::FIGURES).chain(&strokes::FIGURES)
+    let chapter4 = chapter4::FIGURES.iter().chain(&swept::FIGURES).chain(&strokes::FIGURES);
+    chapter3.chain(chapter4)
 }
 
 /// The figures that take scenes: every baseline beside ours, and the flicker of films.
