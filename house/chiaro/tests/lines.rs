@@ -38,7 +38,8 @@ fn silhouettes_of_real_animations_are_closed_and_s_is_a_surface() {
 fn follow(file: &Path) {
     let name = file.display();
     let run = Run::default();
-    let project = Project::open(&file.to_string_lossy(), Options::default(), &run).unwrap();
+    let project = Project::open(&file.to_string_lossy(), Options::default(), &run)
+        .expect("the data's files open");
     let poser = project.poser();
     let frame = |i: u32| poser.frame(f64::from(i) / 24.0, &project.playback);
     let rule = CreaseRule { angle: 0.7, smooth_angle: 1.3 };

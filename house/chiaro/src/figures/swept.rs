@@ -87,9 +87,10 @@ fn trail(
 ) -> Vec<[f32; 2]> {
     let mut points =
         vec![askew(film.frames[start].strokes[stroke].samples[sample].at, start as f64)];
-    for frame in start..(start + 12).min(film.frames.len() - 1) {
-        let Some(p) = partners[frame][stroke][sample] else { break };
-        let next = &film.frames[frame + 1].strokes[p.stroke as usize].samples;
+    let later = partners.iter().zip(&film.frames[1..]).enumerate();
+    for (frame, (partners, next)) in later.skip(start).take(12) {
+        let Some(p) = partners[stroke][sample] else { break };
+        let next = &next.strokes[p.stroke as usize].samples;
         let (a, b) = (p.segment as usize, (p.segment as usize + 1) % next.len());
         points.push(askew(next[a].at.lerp(next[b].at, p.share), (frame + 1) as f64));
         (stroke, sample) = (p.stroke as usize, if p.share < 0.5 { a } else { b });
