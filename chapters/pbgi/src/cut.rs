@@ -9,7 +9,7 @@
 //!   series ahead and behind; between flat and not, both are blended, so that nothing flips.
 
 use crate::harmonic::{basis, front_of_flat};
-use crate::payload::Payload;
+use crate::payload::{Payload, Sent};
 use crate::surfel::Surfel;
 use crate::tree::{Node, Tree};
 use chiaro_basis::math::Vec3;
@@ -42,6 +42,17 @@ pub struct Chooser {
     pub flat: bool,
 }
 
+/// What a cut does with a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Nothing of it is seen.
+    Leave,
+    /// It is splatted.
+    Splat,
+    /// What is below it is looked at.
+    Open,
+}
+
 /// The least share of a node's area that its light is divided by.
 const LEAST_AREA: f32 = 1e-3;
 /// Lengths of a node's mean normal between which it turns from not flat to flat.
@@ -54,18 +65,18 @@ impl Chooser {
         let mut index = 0;
         while let Some(node) = tree.nodes.get(index) {
             visited += 1;
-            let offset = node.centre - self.from;
-            if self.above.is_some_and(|n| offset.dot(n) + node.radius < 0.0) {
-                index += node.size as usize;
-                continue;
-            }
-            let square = offset.length_squared();
-            let small = std::f32::consts::PI * node.radius * node.radius <= self.threshold * square;
-            let clear = square > (self.near + node.radius).powi(2);
-            if small && clear {
-                splats.extend(self.node(tree, index, node));
-                index += node.size as usize;
-                continue;
+            match self.verdict(node.centre, node.radius) {
+                Verdict::Leave => {
+                    index += node.size as usize;
+                    continue;
+                }
+                Verdict::Splat => {
+                    let sent = |d: Vec3| tree.payload[index].sent(&tree.book, &basis(d));
+                    splats.extend(self.node(node, sent));
+                    index += node.size as usize;
+                    continue;
+                }
+                Verdict::Open => {}
             }
             let (first, count) = (node.first as usize, node.count as usize);
             let surfels = &tree.surfels[first..first + count];
@@ -75,27 +86,35 @@ impl Chooser {
         visited
     }
 
-    /// What is seen of a node.
-    fn node<P: Payload>(&self, tree: &Tree<P>, index: usize, node: &Node) -> Option<Splat> {
+    /// What to do with a node of this bounding sphere.
+    pub(crate) fn verdict(&self, centre: Vec3, radius: f32) -> Verdict {
+        let offset = centre - self.from;
+        if self.above.is_some_and(|n| offset.dot(n) + radius < 0.0) {
+            return Verdict::Leave;
+        }
+        let square = offset.length_squared();
+        let small = std::f32::consts::PI * radius * radius <= self.threshold * square;
+        let clear = square > (self.near + radius).powi(2);
+        if small && clear { Verdict::Splat } else { Verdict::Open }
+    }
+
+    /// What is seen of a node that sends this in a direction.
+    pub(crate) fn node(&self, node: &Node, sent: impl Fn(Vec3) -> Sent) -> Option<Splat> {
         let (direction, distance) = (node.mean - self.from).normalize_and_length();
         if self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
             return None;
         }
-        let payload = &tree.payload[index];
-        let sent = payload.sent(&tree.book, &basis(-direction));
+        let towards = sent(-direction);
         let least = LEAST_AREA * node.area;
         let (mut area, mut radiance) =
-            (sent.area.max(0.0), sent.light.map(|l| l.max(0.0) / sent.area.max(least)));
+            (towards.area.max(0.0), towards.light.map(|l| l.max(0.0) / towards.area.max(least)));
         let length = node.axis.length();
         let flatness = if self.flat { smooth(FLAT, length) } else { 0.0 };
         if flatness > 0.0 {
             let axis = node.axis / length;
             let cosine = -axis.dot(direction);
             let facing = if cosine > 0.0 { axis } else { -axis };
-            let (ahead, behind) = (
-                payload.sent(&tree.book, &basis(facing)),
-                payload.sent(&tree.book, &basis(-facing)),
-            );
+            let (ahead, behind) = (sent(facing), sent(-facing));
             let own = front_of_flat(ahead.area, behind.area);
             let mix = |a: f32, b: f32| a + (b - a) * flatness;
             let flat = [0, 1, 2].map(|c| match own > 1e-6 * node.area {
@@ -110,7 +129,7 @@ impl Chooser {
     }
 
     /// What is seen of a surfel: its exact cosine, and nothing of a dead side.
-    fn surfel(&self, surfel: &Surfel) -> Option<Splat> {
+    pub(crate) fn surfel(&self, surfel: &Surfel) -> Option<Splat> {
         let (direction, distance) = (surfel.position - self.from).normalize_and_length();
         if distance <= self.near || self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
             return None;

@@ -27,7 +27,10 @@
 //! smaller than the spacing of surfels beyond the near field.
 
 pub mod bounce;
+pub mod code;
+pub mod compact;
 pub mod cube;
+pub mod curve;
 pub mod cut;
 pub mod grid;
 pub mod harmonic;
@@ -35,11 +38,14 @@ pub mod hierarchy;
 mod indirect;
 mod knob;
 pub mod near;
+pub mod packed;
 pub mod payload;
 pub mod pixel;
 pub mod resolve;
 pub mod side;
 pub mod site;
+pub mod spread;
+pub mod stream;
 pub mod surfel;
 pub mod tile;
 pub mod tree;
@@ -49,5 +55,6 @@ pub use indirect::{Indirect, Prepared, indirect, prepare};
 pub use knob::LightKnobs;
 pub use payload::{Exact, Payload};
 pub use site::{Site, sites};
+pub use spread::Spread;
 pub use surfel::{Lit, Surfel, Surfels};
 pub use tree::{Node, Tree};

@@ -46,7 +46,10 @@ pub fn sites(scene: &Scene, frame: &Frame, count: usize) -> Vec<Site> {
 }
 
 /// Object, face and area of every triangle drawn that has one.
-fn areas<'a>(scene: &'a Scene, frame: &'a Frame) -> impl Iterator<Item = (u32, u32, f64)> + 'a {
+pub(crate) fn areas<'a>(
+    scene: &'a Scene,
+    frame: &'a Frame,
+) -> impl Iterator<Item = (u32, u32, f64)> + 'a {
     frame.objects.iter().enumerate().flat_map(move |(index, object)| {
         let shape = &frame.shapes[object.shape];
         let m = object.world_from_shape;

@@ -1,0 +1,555 @@
+//! [`Book`]: few bytes that stand for a node's lobes (thesis, 6.5.1).
+//!
+//! A node's 27 numbers of light and 9 of area are coded in the same few steps, which a [`Recipe`]
+//! chooses:
+//!
+//! 1. *Scale*: the thesis clusters the sums themselves; they grow with the subtree, so that a
+//!    clustering sees the large nodes alone. Divided by the node's area, which is kept, they do not.
+//! 2. *Frame*: lobes are turned so that the node's mean normal is the z axis. Nodes that differ by
+//!    where they face alone become the same. Turning the direction of a query undoes it.
+//! 3. *Gains*: the length of the light, or of each colour's, as 16-bit floating-point numbers.
+//! 4. *Stages*: the nearest of a table's words; the nearest of a second table's words to what is
+//!    left; and so on. Tables come from k-means on the nodes of a sparse tree. One stage without the rest is
+//!    the thesis's look-up table; several are residual vector quantization.
+//!
+//! Light and area have tables of their own. Black is coded without error.
+
+use crate::harmonic::{self, Sh};
+use crate::payload::{Exact, Sent};
+use chiaro_basis::math::{Mat3, Vec3};
+use chiaro_basis::random::hash;
+use chiaro_basis::{Result, Run};
+use chiaro_solve::{KMeans, Nearest, Scratch, k_means};
+
+/// Numbers of a node's light and area.
+const LIGHT: usize = 27;
+const AREA: usize = 9;
+/// Rounds of k-means.
+const ROUNDS: usize = 10;
+/// How much brighter than all training nodes others may be.
+pub const HEADROOM: f32 = 4096.0;
+
+/// How lobes are coded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Whether sums are divided by the node's area.
+    pub by_area: bool,
+    /// Whether lobes are turned to the node's mean normal.
+    pub turned: bool,
+    /// Gains of the light.
+    pub gains: Gains,
+    /// Words of each stage's table of light; at most 65 536.
+    pub light: Vec<usize>,
+    /// Words of each stage's table of area.
+    pub area: Vec<usize>,
+    /// Whether words are drawn from the training nodes instead of clustered: the thesis's baseline.
+    pub random: bool,
+}
+
+/// Which gains a code has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gains {
+    /// None.
+    None,
+    /// One for all colours.
+    One,
+    /// One for each colour.
+    Colours,
+}
+
+impl Recipe {
+    /// The thesis's: k words on raw sums, no gains; the area, which the thesis does not count, by a
+    /// table of as many words.
+    pub fn thesis(words: usize) -> Self {
+        Self {
+            by_area: false,
+            turned: false,
+            gains: Gains::None,
+            light: vec![words],
+            area: vec![words],
+            random: false,
+        }
+    }
+
+    /// k words on vectors over area.
+    pub fn clusters(words: usize) -> Self {
+        Self { by_area: true, ..Self::thesis(words) }
+    }
+
+    /// Residual quantization: `light` and `area` tables of 256 words, after gains.
+    pub fn residual(gains: Gains, turned: bool, light: usize, area: usize) -> Self {
+        Self {
+            by_area: true,
+            turned,
+            gains,
+            light: vec![256; light],
+            area: vec![256; area],
+            random: false,
+        }
+    }
+
+    /// Bytes of a code.
+    pub fn bytes(&self) -> usize {
+        let gains = match self.gains {
+            Gains::None => 0,
+            Gains::One => 1,
+            Gains::Colours => 3,
+        };
+        2 * gains
+            + self.light.iter().chain(&self.area).map(|words| word_bytes(*words)).sum::<usize>()
+    }
+
+    /// Bits of a code, as the thesis counts them.
+    pub fn bits(&self) -> usize {
+        let of = |stages: &[usize]| -> usize {
+            stages.iter().map(|w| w.next_power_of_two().trailing_zeros() as usize).sum()
+        };
+        let gains = match self.gains {
+            Gains::None => 0,
+            Gains::One => 16,
+            Gains::Colours => 48,
+        };
+        gains + of(&self.light) + of(&self.area)
+    }
+}
+
+fn word_bytes(words: usize) -> usize {
+    if words > 256 { 2 } else { 1 }
+}
+
+/// A node to be coded.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobes<'a> {
+    /// The sums.
+    pub sums: &'a Exact,
+    /// The summed area.
+    pub area: f32,
+    /// The mean normal, as the decoder will know it.
+    pub axis: Vec3,
+}
+
+/// Lobes in the frame of their node.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Decoded {
+    /// Turns directions of the world into the lobes' frame, where they are turned.
+    pub local_from_world: Option<Mat3>,
+    /// The sums.
+    pub lobes: Exact,
+}
+
+impl Decoded {
+    /// What is seen and sent in a direction of the world.
+    pub fn sent(&self, direction: Vec3) -> Sent {
+        let local = self.local_from_world.map_or(direction, |m| m * direction);
+        let basis = harmonic::basis(local);
+        Sent {
+            area: harmonic::evaluate(&self.lobes.area, &basis),
+            light: [0, 1, 2].map(|c| harmonic::evaluate(&self.lobes.light[c], &basis)),
+        }
+    }
+}
+
+/// The words of one stage.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// One after the other.
+    pub words: Vec<f32>,
+    index: Nearest,
+    dim: usize,
+}
+
+impl Table {
+    /// Words of `dim` numbers.
+    pub fn new(words: Vec<f32>, dim: usize) -> Self {
+        Self { index: Nearest::new(&words, dim), words, dim }
+    }
+
+    fn word(&self, index: usize) -> &[f32] {
+        let last = (self.words.len() / self.dim).saturating_sub(1);
+        let at = index.min(last) * self.dim;
+        self.words.get(at..at + self.dim).unwrap_or(&[])
+    }
+
+    /// Words.
+    pub fn len(&self) -> usize {
+        self.words.len() / self.dim
+    }
+
+    /// Whether there is no word.
+    pub fn is_empty(&self) -> bool {
+        self.words.is_empty()
+    }
+}
+
+/// Tables of words for the lobes of nodes.
+#[derive(Clone, Debug)]
+pub struct Book {
+    /// How it codes.
+    pub recipe: Recipe,
+    /// The greatest gain, in the units of the light.
+    pub top: f32,
+    /// The stages of light.
+    pub light: Vec<Table>,
+    /// The stages of area.
+    pub area: Vec<Table>,
+}
+
+/// Memory that encoding uses again and again.
+#[derive(Default)]
+pub struct Pen {
+    scratch: Scratch,
+    hints: Vec<Option<u32>>,
+}
+
+impl Book {
+    /// A book trained on nodes; `seed` chooses where k-means begins.
+    pub fn train(nodes: &[Lobes], recipe: &Recipe, seed: u64, run: &Run) -> Result<Self> {
+        let parts: Vec<Parts> = nodes.iter().map(|n| Parts::of(n, recipe)).collect();
+        let top = parts.iter().flat_map(|p| p.gains).fold(0.0, f32::max);
+        let lit = parts.iter().filter(|p| p.light.iter().any(|l| *l != 0.0));
+        let mut light: Vec<f32> = lit.flat_map(|p| p.light).collect();
+        let mut area: Vec<f32> = parts.iter().flat_map(|p| p.area).collect();
+        drop(parts);
+        let zero = recipe.gains == Gains::None;
+        Ok(Self {
+            recipe: recipe.clone(),
+            top: if top > 0.0 { HEADROOM * top } else { 1.0 },
+            light: stages(&mut light, LIGHT, &recipe.light, zero, recipe.random, seed, run)?,
+            area: stages(&mut area, AREA, &recipe.area, false, recipe.random, !seed, run)?,
+        })
+    }
+
+    /// Writes the code of a node, [`Recipe::bytes`] long.
+    pub fn encode(&self, node: &Lobes, code: &mut Vec<u8>, pen: &mut Pen) {
+        let mut parts = Parts::of(node, &self.recipe);
+        let gains = match self.recipe.gains {
+            Gains::None => 0,
+            Gains::One => 1,
+            Gains::Colours => 3,
+        };
+        for gain in &parts.gains[..gains] {
+            code.extend(float16(*gain, self.top).to_le_bytes());
+        }
+        pen.hints.resize(self.light.len() + self.area.len(), None);
+        let Pen { scratch, hints } = pen;
+        let (of_light, of_area) = hints.split_at_mut(self.light.len());
+        staged(&self.light, &self.recipe.light, &mut parts.light, code, of_light, scratch);
+        staged(&self.area, &self.recipe.area, &mut parts.area, code, of_area, scratch);
+    }
+
+    /// The lobes of a code.
+    pub fn decode(&self, code: &[u8], area: f32, axis: Vec3) -> Decoded {
+        let recipe = &self.recipe;
+        let gain =
+            |i: usize| from_float16(u16::from_le_bytes([code[2 * i], code[2 * i + 1]]), self.top);
+        let (gains, mut rest) = match recipe.gains {
+            Gains::None => ([1.0; 3], code),
+            Gains::One => ([gain(0); 3], &code[2..]),
+            Gains::Colours => ([gain(0), gain(1), gain(2)], &code[6..]),
+        };
+        let mut next = |words: usize| {
+            let (word, after) = rest.split_at(word_bytes(words));
+            rest = after;
+            word.iter().rev().fold(0, |n, b| n << 8 | usize::from(*b))
+        };
+        let mut light = [0.0f32; LIGHT];
+        for (table, words) in self.light.iter().zip(&recipe.light) {
+            let word = table.word(next(*words));
+            light.iter_mut().zip(word).for_each(|(l, w)| *l += w);
+        }
+        let mut disc = [0.0f32; AREA];
+        for (table, words) in self.area.iter().zip(&recipe.area) {
+            let word = table.word(next(*words));
+            disc.iter_mut().zip(word).for_each(|(l, w)| *l += w);
+        }
+        let scale = if recipe.by_area { area } else { 1.0 };
+        let lobes = Exact {
+            area: disc.map(|a| a * scale),
+            light: std::array::from_fn(|c| {
+                std::array::from_fn(|i| light[9 * c + i] * gains[c] * scale)
+            }),
+        };
+        let local_from_world = recipe.turned.then(|| frame(axis).transpose());
+        Decoded { local_from_world, lobes }
+    }
+
+    /// Bytes of the tables.
+    pub fn size(&self) -> usize {
+        let words = |t: &[Table]| t.iter().map(|t| 4 * t.words.len()).sum::<usize>();
+        // Each word lies twice: as it is read, and as it is searched.
+        2 * (words(&self.light) + words(&self.area))
+    }
+}
+
+/// The tables of all stages; `points` become what the last stage leaves.
+fn stages(
+    points: &mut [f32],
+    dim: usize,
+    words: &[usize],
+    zero: bool,
+    random: bool,
+    seed: u64,
+    run: &Run,
+) -> Result<Vec<Table>> {
+    let mut tables = Vec::new();
+    for (stage, &count) in words.iter().enumerate() {
+        let how = KMeans { count: count - usize::from(zero), rounds: ROUNDS, seed };
+        let mut centres = if zero { vec![0.0; dim] } else { Vec::new() };
+        centres.extend(match random {
+            true => drawn(points, dim, how.count, seed),
+            false => k_means(points, dim, how, run)?.centres,
+        });
+        if centres.is_empty() {
+            centres = vec![0.0; dim];
+        }
+        let table = Table::new(centres, dim);
+        if stage + 1 < words.len() {
+            let mut scratch = Scratch::default();
+            for point in points.chunks_exact_mut(dim) {
+                let Some(found) = table.index.find(point, None, &mut scratch) else { continue };
+                let word = table.word(found.index as usize);
+                point.iter_mut().zip(word).for_each(|(p, w)| *p -= w);
+            }
+        }
+        tables.push(table);
+    }
+    Ok(tables)
+}
+
+/// Points drawn with repetition.
+fn drawn(points: &[f32], dim: usize, count: usize, seed: u64) -> Vec<f32> {
+    let there = (points.len() / dim).max(1) as u64;
+    let point = |i: usize| {
+        let at = (hash(seed, i as u64) % there) as usize * dim;
+        points.get(at..at + dim).unwrap_or(&[]).to_vec()
+    };
+    (0..count.min(points.len() / dim)).flat_map(point).collect()
+}
+
+/// Codes a vector stage by stage; it becomes what is left.
+fn staged(
+    tables: &[Table],
+    words: &[usize],
+    vector: &mut [f32],
+    code: &mut Vec<u8>,
+    hints: &mut [Option<u32>],
+    scratch: &mut Scratch,
+) {
+    for ((table, words), hint) in tables.iter().zip(words).zip(hints) {
+        let found = table.index.find(vector, *hint, scratch);
+        *hint = found.map(|f| f.index);
+        let index = hint.unwrap_or(0);
+        let word = table.word(index as usize);
+        vector.iter_mut().zip(word).for_each(|(v, w)| *v -= w);
+        code.extend(&index.to_le_bytes()[..word_bytes(*words)]);
+    }
+}
+
+/// A node's lobes as they are clustered.
+struct Parts {
+    gains: [f32; 3],
+    light: [f32; LIGHT],
+    area: [f32; AREA],
+}
+
+impl Parts {
+    fn of(node: &Lobes, recipe: &Recipe) -> Self {
+        let scale = match recipe.by_area {
+            true if node.area > 0.0 => 1.0 / node.area,
+            true => 0.0,
+            false => 1.0,
+        };
+        let turn = recipe.turned.then(|| frame(node.axis));
+        let put = |sh: &Sh| turn.as_ref().map_or(*sh, |t| turned(sh, t)).map(|v| v * scale);
+        let colours = node.sums.light.each_ref().map(put);
+        let square = |sh: &Sh| sh.iter().map(|v| v * v).sum::<f32>();
+        let gains = match recipe.gains {
+            Gains::None => [1.0; 3],
+            Gains::One => [colours.iter().map(square).sum::<f32>().sqrt(); 3],
+            Gains::Colours => colours.each_ref().map(|c| square(c).sqrt()),
+        };
+        let mut light = [0.0; LIGHT];
+        for c in 0..3 {
+            let over = if gains[c] > 0.0 { 1.0 / gains[c] } else { 0.0 };
+            (0..9).for_each(|i| light[9 * c + i] = colours[c][i] * over);
+        }
+        Self { gains, light, area: put(&node.sums.area) }
+    }
+}
+
+/// A frame whose z axis is a direction, without branches (Duff et al. 2017); the world's where there is none.
+fn frame(axis: Vec3) -> Mat3 {
+    let Some(n) = axis.try_normalize() else { return Mat3::IDENTITY };
+    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    let x = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    let y = Vec3::new(b, sign + n.y * n.y * a, -n.y);
+    Mat3::from_cols(x, y, n)
+}
+
+/// The series in a frame: band by band, as a number, a vector and a symmetric matrix.
+fn turned(sh: &Sh, world_from_local: &Mat3) -> Sh {
+    const A: f32 = 1.092_548_4;
+    const B: f32 = 0.315_391_57;
+    let m = world_from_local.transpose();
+    let v = m * Vec3::new(sh[3], sh[1], sh[2]);
+    let (xy, yz, xz) = (0.5 * A * sh[4], 0.5 * A * sh[5], 0.5 * A * sh[7]);
+    let (zz, d) = (2.0 * B * sh[6], 0.5 * A * sh[8]);
+    let q = Mat3::from_cols(
+        Vec3::new(d - 0.5 * zz, xy, xz),
+        Vec3::new(xy, -d - 0.5 * zz, yz),
+        Vec3::new(xz, yz, zz),
+    );
+    let q = m * q * *world_from_local;
+    let [x, y, z] = [q.x_axis, q.y_axis, q.z_axis];
+    [
+        sh[0],
+        v.y,
+        v.z,
+        v.x,
+        2.0 * x.y / A,
+        2.0 * y.z / A,
+        z.z / (2.0 * B),
+        2.0 * x.z / A,
+        (x.x - y.y) / A,
+    ]
+}
+
+/// A positive number under twice `top` in 16 bits: 64 octaves, ten bits for each; 0 stays 0.
+pub fn float16(value: f32, top: f32) -> u16 {
+    rounded16(value / top, 1 << 12)
+}
+
+/// The same, never below the value.
+pub fn float16_above(value: f32, top: f32) -> u16 {
+    rounded16(value / top, (1 << 13) - 1)
+}
+
+/// The exponent of the smallest number.
+const LOWEST: u32 = 64;
+
+fn rounded16(value: f32, add: u32) -> u16 {
+    if value.is_nan() || value <= 0.0 {
+        return 0;
+    }
+    let code = (value.to_bits().saturating_add(add) >> 13).saturating_sub(LOWEST << 10);
+    code.min(65_535) as u16
+}
+
+/// The number of a code.
+pub fn from_float16(code: u16, top: f32) -> f32 {
+    if code == 0 { 0.0 } else { top * f32::from_bits((u32::from(code) + (LOWEST << 10)) << 13) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::random::unit;
+
+    /// Nodes of a few discs each.
+    fn nodes(count: u64) -> Vec<(Exact, f32, Vec3)> {
+        let v = |k: u64, i: u64| {
+            Vec3::new(unit(k, i) - 0.5, unit(k + 1, i) - 0.5, unit(k + 2, i) - 0.5)
+        };
+        let node = |i: u64| {
+            let mut sums = Exact::default();
+            let (mut area, mut axis) = (0.0, Vec3::ZERO);
+            let about = v(10, i).normalize_or(Vec3::Z);
+            for j in 0..4 {
+                let normal = (about + 0.4 * v(20, 4 * i + j)).normalize_or(Vec3::Z);
+                let a = 0.5 + unit(30, 4 * i + j);
+                let black = i % 4 == 0;
+                let light = [1, 2, 3].map(|c| if black { 0.0 } else { unit(c + 40, i) * 3.0 });
+                let surfel = crate::Surfel {
+                    normal,
+                    area: a,
+                    alive: [true, false],
+                    radiance: [light, [0.0; 3]],
+                    ..Default::default()
+                };
+                sums.add(&surfel);
+                area += a;
+                axis += normal * a;
+            }
+            (sums, area, axis / area)
+        };
+        (0..count).map(node).collect()
+    }
+
+    fn lobes(all: &[(Exact, f32, Vec3)]) -> Vec<Lobes<'_>> {
+        all.iter().map(|(sums, area, axis)| Lobes { sums, area: *area, axis: *axis }).collect()
+    }
+
+    fn error(book: &Book, all: &[Lobes]) -> f64 {
+        let (mut wrong, mut there) = (0.0, 0.0);
+        let mut pen = Pen::default();
+        for node in all {
+            let mut code = Vec::new();
+            book.encode(node, &mut code, &mut pen);
+            assert_eq!(code.len(), book.recipe.bytes());
+            let back = book.decode(&code, node.area, node.axis);
+            for i in 0..20 {
+                let d = Vec3::new(unit(7, i) - 0.5, unit(8, i) - 0.5, unit(9, i) - 0.5).normalize();
+                let (a, b) =
+                    (back.sent(d), crate::Payload::sent(node.sums, &(), &harmonic::basis(d)));
+                wrong += f64::from((a.light[1] - b.light[1]).powi(2) + (a.area - b.area).powi(2));
+                there += f64::from(b.light[1].powi(2) + b.area.powi(2));
+            }
+        }
+        (wrong / there).sqrt()
+    }
+
+    #[test]
+    fn more_words_and_more_stages_are_nearer() {
+        let all = nodes(1500);
+        let all = lobes(&all);
+        let of =
+            |recipe: &Recipe| error(&Book::train(&all, recipe, 1, &Run::default()).unwrap(), &all);
+        let few = of(&Recipe::clusters(16));
+        let many = of(&Recipe::clusters(300));
+        let random = of(&Recipe { random: true, ..Recipe::clusters(300) });
+        let staged = of(&Recipe::residual(Gains::One, false, 2, 2));
+        let turned = of(&Recipe::residual(Gains::Colours, true, 2, 2));
+        assert!(many < few && many < random, "{few} {many} {random}");
+        assert!(staged < many && turned < staged, "{many} {staged} {turned}");
+    }
+
+    #[test]
+    fn black_stays_black() {
+        let all = nodes(400);
+        let all = lobes(&all);
+        for recipe in [Recipe::clusters(64), Recipe::residual(Gains::One, true, 2, 2)] {
+            let book = Book::train(&all, &recipe, 1, &Run::default()).unwrap();
+            let mut code = Vec::new();
+            book.encode(&all[0], &mut code, &mut Pen::default());
+            assert_eq!(book.decode(&code, all[0].area, all[0].axis).lobes.light, [[0.0; 9]; 3]);
+        }
+    }
+
+    #[test]
+    fn a_turned_series_has_the_same_values_in_turned_directions() {
+        let sh: Sh = std::array::from_fn(|i| (i as f32 * 1.7).sin());
+        for i in 0..20 {
+            let v = |k| Vec3::new(unit(k, i) - 0.5, unit(k + 1, i) - 0.5, unit(k + 2, i) - 0.5);
+            let (world, local) = (frame(v(1)), v(5).normalize());
+            assert!((world.determinant() - 1.0).abs() < 1e-5);
+            let there = harmonic::evaluate(&turned(&sh, &world), &harmonic::basis(local));
+            let here = harmonic::evaluate(&sh, &harmonic::basis(world * local));
+            assert!((there - here).abs() < 1e-5, "{there} {here}");
+        }
+    }
+
+    #[test]
+    fn sixteen_bits_keep_ten_of_each_octave() {
+        for i in 0..2000 {
+            let value = 1e-9 * 1.02f32.powi(i);
+            let top = 1e9;
+            let back = from_float16(float16(value, top), top);
+            assert!((back / value - 1.0).abs() < 6e-4, "{value} {back}");
+            assert!(from_float16(float16_above(value, top), top) >= value);
+        }
+        assert_eq!(from_float16(float16(0.0, 1.0), 1.0), 0.0);
+        assert_eq!(from_float16(float16(f32::NAN, 1.0), 1.0), 0.0);
+    }
+}

@@ -1,0 +1,490 @@
+//! [`Compact`]: the packed tree in some ten bytes a surfel (thesis, 6.5.3).
+//!
+//! ```text
+//! record, 8 bytes   position in the block's sphere 3 x 8 bits, normal 2 x 8 (octahedral),
+//!                   area 4 (quarters of an octave about the block's mean), colour 20
+//! block             16 records, and the gain of their colours, 2 bytes
+//! node              centre 3 x 21 bits in the scene's cube, radius 16 (rounded up), area 16,
+//!                   mean 3 x 8 in the sphere, axis 2 x 12 (octahedral) and 8 (length), the
+//!                   lobes' code (crate::code)
+//! ```
+//!
+//! A part's levels and blocks lie side by side, as they do in a file, so that what is built, what
+//! is read and what is mapped from a disk are the same bytes, little-endian everywhere.
+//! Numbers that bytes name are clamped to what is there: any bytes give some picture.
+
+use crate::code::{Book, Decoded, Lobes, Pen, float16, float16_above, from_float16};
+use crate::curve::Cube;
+use crate::packed::{
+    BLOCK, FAN, PART, PART_LEVELS, Packed, Record, Store, Stored, Sums, counts, crown, leaf_radius,
+    part,
+};
+use crate::tree::Node;
+use chiaro_basis::math::{Vec3, vec3};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Bytes of a node before its code.
+const HEAD: usize = 19;
+/// Bytes of a record, and of a block.
+const RECORD: usize = 8;
+const BLOCK_BYTES: usize = BLOCK * RECORD + 2;
+/// Blocks of a part.
+const PART_BLOCKS: usize = PART / BLOCK;
+
+/// Bytes that live as long as something holds them: built here, or mapped from a file.
+pub type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
+
+/// How the numbers of a tree are to be read.
+#[derive(Clone, Debug)]
+pub struct Format {
+    /// The tables of lobes.
+    pub book: Book,
+    /// The scene's cube.
+    pub cube: Cube,
+    /// No node's area is twice as large.
+    pub top_area: f32,
+    /// No colour's sum is twice as large.
+    pub top_light: f32,
+}
+
+/// The packed tree, coded.
+#[derive(Clone)]
+pub struct Compact {
+    /// How its numbers are read.
+    pub format: Arc<Format>,
+    /// The parts, in order.
+    pub parts: Vec<Part>,
+    /// The levels above the parts.
+    pub crown: Vec<Vec<u8>>,
+    /// Records in all.
+    pub records: usize,
+    counts: Vec<usize>,
+}
+
+/// A part's bytes.
+#[derive(Clone)]
+pub struct Part {
+    bytes: Bytes,
+    start: usize,
+}
+
+impl Format {
+    /// Bytes of a node.
+    pub fn node_bytes(&self) -> usize {
+        HEAD + self.book.recipe.bytes()
+    }
+
+    /// Bytes of a part of so many records.
+    pub fn part_bytes(&self, records: usize) -> usize {
+        let blocks = records.div_ceil(BLOCK);
+        let nodes: usize = (0..PART_LEVELS).map(|l| blocks.div_ceil(FAN.pow(l as u32))).sum();
+        nodes * self.node_bytes() + blocks * BLOCK_BYTES
+    }
+
+    /// A node's bytes.
+    fn encode(&self, sums: &Sums, bytes: &mut Vec<u8>, pen: &mut Pen) {
+        let node = &sums.node;
+        let last = ((1u64 << 21) - 1) as f32;
+        let place = (node.centre - self.cube.low) * (last / self.cube.side);
+        let [x, y, z] = place.to_array().map(|c| c.clamp(0.0, last).round() as u64);
+        bytes.extend((x | y << 21 | z << 42).to_le_bytes());
+        let centre = self.centre(x | y << 21 | z << 42);
+        // The sphere still holds what it held.
+        let radius = float16_above(node.radius + centre.distance(node.centre), self.cube.side);
+        bytes.extend(radius.to_le_bytes());
+        bytes.extend(float16(node.area, self.top_area).to_le_bytes());
+        let scale = 127.0 / from_float16(radius, self.cube.side).max(f32::MIN_POSITIVE);
+        let mean = (node.mean - centre) * scale;
+        bytes.extend(mean.to_array().map(|c| c.round().clamp(-127.0, 127.0) as i8 as u8));
+        let axis = encode_axis(node.axis);
+        bytes.extend(axis.to_le_bytes());
+        let area = from_float16(float16(node.area, self.top_area), self.top_area);
+        let lobes = Lobes { sums: &sums.lobes, area, axis: axis_of(axis) };
+        self.book.encode(&lobes, bytes, pen);
+    }
+
+    fn centre(&self, code: u64) -> Vec3 {
+        let last = (1u64 << 21) - 1;
+        let at = |shift: u32| (code >> shift & last) as f32;
+        self.cube.low + vec3(at(0), at(21), at(42)) * (self.cube.side / last as f32)
+    }
+
+    fn sphere(&self, bytes: &[u8]) -> (Vec3, f32) {
+        let centre = self.centre(u64_at(bytes, 0));
+        (centre, from_float16(u16_at(bytes, 8), self.cube.side))
+    }
+
+    fn decode(&self, bytes: &[u8]) -> (Node, Decoded) {
+        let (centre, radius) = self.sphere(bytes);
+        let area = from_float16(u16_at(bytes, 10), self.top_area);
+        let mean = vec3(signed(bytes[12]), signed(bytes[13]), signed(bytes[14])) * (radius / 127.0);
+        let axis = axis_of(u32_at(bytes, 15));
+        let node = Node { centre, radius, mean: centre + mean, area, axis, ..Node::default() };
+        (node, self.book.decode(&bytes[HEAD..], area, axis))
+    }
+
+    /// A block's bytes. Its records lie in its node's sphere, as it is decoded.
+    fn encode_block(&self, node: &[u8], records: &[Record], bytes: &mut Vec<u8>) {
+        let (centre, radius) = self.sphere(node);
+        let area = from_float16(u16_at(node, 10), self.top_area) / records.len() as f32;
+        let sum = |r: &Record| r.radiance[0].iter().sum::<f32>();
+        let gain = float16_above(records.iter().map(sum).fold(0.0, f32::max), self.top_light);
+        bytes.extend(gain.to_le_bytes());
+        let gain = from_float16(gain, self.top_light);
+        for r in records {
+            let place = (r.position - centre) * (127.0 / radius.max(f32::MIN_POSITIVE));
+            let [x, y, z] = place.to_array().map(|c| c.round().clamp(-127.0, 127.0) as i8 as u8);
+            let [nx, ny] = octahedral(r.normal).map(|c| grid(c, 8) as u8);
+            let ratio = (4.0 * (r.area / area).log2()).round().clamp(-8.0, 7.0) + 8.0;
+            let code = u64::from(u32::from_le_bytes([x, y, z, nx]))
+                | u64::from(ny) << 32
+                | (ratio as u64) << 40
+                | encode_colour(r.radiance[0], gain) << 44;
+            bytes.extend(code.to_le_bytes());
+        }
+        bytes.resize(bytes.len() + (BLOCK - records.len()) * RECORD, 0);
+    }
+}
+
+/// Octaves of a colour's sum below its block's greatest.
+const STEPS_AN_OCTAVE: f32 = 18.0;
+
+/// A colour in 20 bits: its sum in steps of 1/18 octave, the shares of red and green.
+fn encode_colour(colour: [f32; 3], gain: f32) -> u64 {
+    let sum: f32 = colour.iter().sum();
+    if sum <= 0.0 || gain <= 0.0 {
+        return 0;
+    }
+    let step = (255.0 + STEPS_AN_OCTAVE * (sum / gain).log2()).round();
+    if step < 1.0 {
+        return 0;
+    }
+    let [r, g] = [0, 1].map(|c| (63.0 * (colour[c] / sum).sqrt()).round() as u64);
+    step.min(255.0) as u64 | r << 8 | g << 14
+}
+
+fn colour_of(code: u64, gain: f32) -> [f32; 3] {
+    let step = code & 255;
+    if step == 0 {
+        return [0.0; 3];
+    }
+    let sum = gain * ((step as f32 - 255.0) / STEPS_AN_OCTAVE).exp2();
+    let share = |shift: u32| ((code >> shift & 63) as f32 / 63.0).powi(2);
+    let (r, g) = (share(8), share(14));
+    let b = (1.0 - r - g).max(0.0);
+    let all = sum / (r + g + b);
+    [r * all, g * all, b * all]
+}
+
+/// A unit vector on a square (Meyer et al. 2010), each coordinate in [-1, 1].
+fn octahedral(n: Vec3) -> [f32; 2] {
+    let p = n / n.abs().element_sum().max(f32::MIN_POSITIVE);
+    let fold = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };
+    if p.z >= 0.0 { [p.x, p.y] } else { [fold(p.x, p.y), fold(p.y, p.x)] }
+}
+
+fn from_octahedral([x, y]: [f32; 2]) -> Vec3 {
+    let z = 1.0 - x.abs() - y.abs();
+    let under = (-z).max(0.0);
+    vec3(x - under.copysign(x), y - under.copysign(y), z).normalize_or(Vec3::Z)
+}
+
+/// A coordinate in [-1, 1] as one of 2^bits - 1 steps, 0 among them.
+fn grid(c: f32, bits: u32) -> u32 {
+    let half = ((1u32 << (bits - 1)) - 1) as f32;
+    ((c * half).round().clamp(-half, half) + half) as u32
+}
+
+fn from_grid(code: u32, bits: u32) -> f32 {
+    let half = ((1u32 << (bits - 1)) - 1) as f32;
+    (code as f32 - half) / half
+}
+
+/// A mean normal in 32 bits: its length is finest near 1, where nodes are flat.
+fn encode_axis(axis: Vec3) -> u32 {
+    let length = axis.length().min(1.0);
+    let [x, y] = octahedral(axis.normalize_or(Vec3::Z)).map(|c| grid(c, 12));
+    let short = (255.0 * (1.0 - length).sqrt()).round() as u32;
+    x | y << 12 | short << 24
+}
+
+fn axis_of(code: u32) -> Vec3 {
+    let at = |shift: u32| from_grid(code >> shift & 0xfff, 12);
+    let short = (code >> 24) as f32 / 255.0;
+    from_octahedral([at(0), at(12)]) * (1.0 - short * short)
+}
+
+fn signed(byte: u8) -> f32 {
+    f32::from(byte as i8)
+}
+
+fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes([bytes[at], bytes[at + 1]])
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> u64 {
+    u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
+}
+
+/// Collects a part's bytes.
+struct Writer<'a> {
+    format: &'a Format,
+    levels: Vec<Vec<u8>>,
+    blocks: Vec<u8>,
+    pen: Pen,
+}
+
+impl<'a> Writer<'a> {
+    fn new(format: &'a Format) -> Self {
+        Self { format, levels: Vec::new(), blocks: Vec::new(), pen: Pen::default() }
+    }
+}
+
+impl Store for Writer<'_> {
+    fn block(&mut self, sums: &Sums, records: &[Record]) {
+        let mut node = Vec::with_capacity(64);
+        self.format.encode(sums, &mut node, &mut self.pen);
+        self.format.encode_block(&node, records, &mut self.blocks);
+        self.levels.resize(self.levels.len().max(1), Vec::new());
+        self.levels[0].extend(node);
+    }
+
+    fn node(&mut self, level: usize, sums: &Sums) {
+        // A block has stored its node itself.
+        if level > 0 {
+            self.levels.resize(self.levels.len().max(level + 1), Vec::new());
+            self.format.encode(sums, &mut self.levels[level], &mut self.pen);
+        }
+    }
+}
+
+/// A tree that grows part by part.
+pub struct Builder {
+    tree: Compact,
+    roots: Vec<Sums>,
+    waiting: Vec<Record>,
+    area: f64,
+}
+
+impl Builder {
+    /// An empty tree.
+    pub fn new(format: Format) -> Self {
+        let tree = Compact {
+            format: Arc::new(format),
+            parts: Vec::new(),
+            crown: Vec::new(),
+            records: 0,
+            counts: Vec::new(),
+        };
+        Self { tree, roots: Vec::new(), waiting: Vec::new(), area: 0.0 }
+    }
+
+    /// Adds records that follow on the curve; whole parts are coded at once, the rest waits.
+    pub fn add(&mut self, records: Vec<Record>) {
+        self.waiting.extend(records);
+        let whole = self.waiting.len() / PART * PART;
+        let rest = self.waiting.split_off(whole);
+        let ready = std::mem::replace(&mut self.waiting, rest);
+        self.store(&ready);
+    }
+
+    fn store(&mut self, records: &[Record]) {
+        let format = &self.tree.format;
+        let parts: Vec<(Part, Sums)> = records
+            .par_chunks(PART)
+            .map(|records| {
+                let mut writer = Writer::new(format);
+                let root = part(records, &mut writer);
+                let mut bytes = Vec::with_capacity(format.part_bytes(records.len()));
+                writer.levels.iter().for_each(|level| bytes.extend(level));
+                bytes.extend(&writer.blocks);
+                (Part { bytes: Arc::new(bytes), start: 0 }, root)
+            })
+            .collect();
+        for (part, root) in parts {
+            self.tree.parts.push(part);
+            self.roots.push(root);
+        }
+        self.tree.records += records.len();
+        self.area += records.iter().map(|r| f64::from(r.area)).sum::<f64>();
+    }
+
+    /// Codes what waits and the levels above the parts.
+    pub fn done(mut self) -> Packed<Compact> {
+        let rest = std::mem::take(&mut self.waiting);
+        self.store(&rest);
+        let format = Arc::clone(&self.tree.format);
+        let mut writer = Writer::new(&format);
+        crown(&self.roots, &mut writer);
+        let mut tree = self.tree;
+        tree.crown = writer.levels.into_iter().skip(PART_LEVELS).collect();
+        tree.counts = counts(tree.records);
+        let leaf_radius = leaf_radius(self.area, tree.records);
+        Packed { store: tree, leaf_radius }
+    }
+}
+
+impl Compact {
+    /// A node's bytes.
+    fn node_at(&self, level: usize, index: usize) -> &[u8] {
+        let stride = self.format.node_bytes();
+        if level >= PART_LEVELS {
+            return &self.crown[level - PART_LEVELS][index * stride..(index + 1) * stride];
+        }
+        let within = FAN.pow((PART_LEVELS - 1 - level) as u32);
+        let (part, index) = (index / within, index % within);
+        let blocks = self.blocks_of(part);
+        let before: usize = (0..level).map(|l| blocks.div_ceil(FAN.pow(l as u32))).sum();
+        let at = (before + index) * stride;
+        &self.part(part)[at..at + stride]
+    }
+
+    fn part(&self, index: usize) -> &[u8] {
+        let part = &self.parts[index];
+        &(*part.bytes).as_ref()[part.start..]
+    }
+
+    fn blocks_of(&self, part: usize) -> usize {
+        PART_BLOCKS.min(self.counts[0] - part * PART_BLOCKS)
+    }
+
+    /// Bytes of nodes, records and tables in memory, with what holds them.
+    pub fn bytes(&self) -> usize {
+        let part = |p: &Part| (*p.bytes).as_ref().len() + 40 + size_of::<Part>();
+        let parts: usize = self.parts.iter().map(part).sum();
+        parts + self.crown.iter().map(Vec::capacity).sum::<usize>() + self.format.book.size()
+    }
+
+    /// Nodes of all levels.
+    pub fn nodes(&self) -> usize {
+        self.counts.iter().sum()
+    }
+}
+
+impl Stored for Compact {
+    fn counts(&self) -> &[usize] {
+        &self.counts
+    }
+
+    fn sphere(&self, level: usize, index: usize) -> (Vec3, f32) {
+        self.format.sphere(self.node_at(level, index))
+    }
+
+    fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
+        self.format.decode(self.node_at(level, index))
+    }
+
+    fn records(&self, block: usize, each: &mut dyn FnMut(&Record)) {
+        let node = self.node_at(0, block);
+        let (centre, radius) = self.format.sphere(node);
+        let (part, within) = (block / PART_BLOCKS, block % PART_BLOCKS);
+        let blocks = self.blocks_of(part);
+        let nodes: usize = (0..PART_LEVELS).map(|l| blocks.div_ceil(FAN.pow(l as u32))).sum();
+        let at = nodes * self.format.node_bytes() + within * BLOCK_BYTES;
+        let bytes = &self.part(part)[at..at + BLOCK_BYTES];
+        let gain = from_float16(u16_at(bytes, 0), self.format.top_light);
+        let count = BLOCK.min(self.records - block * BLOCK);
+        let area = from_float16(u16_at(node, 10), self.format.top_area) / count as f32;
+        for code in bytes[2..].chunks_exact(RECORD).take(count) {
+            let place = vec3(signed(code[0]), signed(code[1]), signed(code[2]));
+            let normal = [code[3], code[4]].map(|c| from_grid(u32::from(c), 8));
+            let rest = u64_at(code, 0) >> 40;
+            let ratio = ((rest & 15) as f32 - 8.0) / 4.0;
+            each(&Record {
+                position: centre + place * (radius / 127.0),
+                normal: from_octahedral(normal),
+                area: if ratio == 0.0 { area } else { area * ratio.exp2() },
+                alive: [true, false],
+                albedo: [0.0; 3],
+                radiance: [colour_of(rest >> 4, gain), [0.0; 3]],
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::code::{Gains, Recipe};
+    use crate::packed::tests::sheet;
+    use crate::packed::{Floats, records};
+    use chiaro_basis::Run;
+    use chiaro_basis::random::unit;
+
+    fn both(n: u64) -> (Packed<Floats>, Packed<Compact>) {
+        let all = records(&sheet(n));
+        let exact = Packed::build(&all);
+        let mut nodes = Vec::new();
+        exact.each_node(|node, lobes| nodes.push((*node, *lobes)));
+        let lobes: Vec<Lobes> =
+            nodes.iter().map(|(n, l)| Lobes { sums: l, area: n.area, axis: n.axis }).collect();
+        let recipe = Recipe::residual(Gains::Colours, true, 3, 2);
+        let format = Format {
+            book: Book::train(&lobes, &recipe, 1, &Run::default()).unwrap(),
+            cube: Cube::around(vec3(0.0, -0.2, 0.0), Vec3::ONE),
+            top_area: 2.0,
+            top_light: 4.0,
+        };
+        let mut builder = Builder::new(format);
+        all.chunks(5000).for_each(|some| builder.add(some.to_vec()));
+        (exact, builder.done())
+    }
+
+    #[test]
+    fn a_coded_tree_is_near_the_exact_one_in_a_tenth_of_the_memory() {
+        let (exact, coded) = both(30_000);
+        assert_eq!(exact.store.counts(), coded.store.counts());
+        assert!((exact.leaf_radius / coded.leaf_radius - 1.0).abs() < 1e-6);
+        for level in 0..exact.store.counts().len() {
+            for index in 0..exact.store.counts()[level] {
+                let (a, _) = exact.store.node(level, index);
+                let (b, _) = coded.store.node(level, index);
+                assert!(a.centre.distance(b.centre) + a.radius <= b.radius * 1.0001);
+                assert!(b.radius < 1.01 * a.radius + 1e-5);
+                assert!(a.mean.distance(b.mean) < 0.02 * a.radius + 1e-5);
+                assert!((a.area / b.area - 1.0).abs() < 1e-3);
+                assert!(a.axis.distance(b.axis) < 5e-3, "{} {}", a.axis, b.axis);
+            }
+        }
+        for block in 0..exact.store.counts()[0] {
+            let (mut a, mut b) = (Vec::new(), Vec::new());
+            exact.store.records(block, &mut |r| a.push(*r));
+            coded.store.records(block, &mut |r| b.push(*r));
+            assert_eq!(a.len(), b.len());
+            let (_, radius) = exact.store.sphere(0, block);
+            for (a, b) in a.iter().zip(&b) {
+                assert!(a.position.distance(b.position) < 0.01 * radius);
+                assert!(a.normal.dot(b.normal) > 0.9998);
+                assert!((a.area / b.area - 1.0).abs() < 0.1);
+                let sum: f32 = a.radiance[0].iter().sum();
+                for c in 0..3 {
+                    assert!((a.radiance[0][c] - b.radiance[0][c]).abs() < 0.04 * sum);
+                }
+            }
+        }
+        let bytes = coded.store.bytes() - coded.store.format.book.size();
+        assert!(bytes < 11 * coded.store.records, "{}", bytes as f64 / coded.store.records as f64);
+    }
+
+    #[test]
+    fn unit_vectors_and_colours_come_back() {
+        for i in 0..500 {
+            let v = |k| vec3(unit(k, i) - 0.5, unit(k + 1, i) - 0.5, unit(k + 2, i) - 0.5);
+            let n = v(1).normalize();
+            assert!(from_octahedral(octahedral(n)).distance(n) < 1e-5);
+            let colour = [unit(5, i), unit(6, i), unit(7, i)];
+            let back = colour_of(encode_colour(colour, 3.0), 3.0);
+            let sum: f32 = colour.iter().sum();
+            assert!(
+                (0..3).all(|c| (back[c] - colour[c]).abs() < 0.04 * sum),
+                "{colour:?} {back:?}"
+            );
+        }
+        assert_eq!(colour_of(encode_colour([0.0; 3], 1.0), 1.0), [0.0; 3]);
+    }
+}

@@ -1,0 +1,401 @@
+//! [`Packed`]: a tree without pointers, eight children a node (thesis, 6.5.2 and 6.5.3).
+//!
+//! 1. Surfels are sorted along a Hilbert curve ([`Cube`](crate::curve::Cube)). A surfel with two living sides is two, one a
+//!    side; one without is none: a [`Record`] is a side.
+//! 2. Sixteen records in a row are a *block*; eight blocks are a node, eight nodes another, up to
+//!    one. Where a node's children lie follows from its number.
+//! 3. 8192 records are a *part*: four levels over their blocks, built by one thread. Sums go up
+//!    from child to parent as each is done, and are replaced by what is stored as soon as the node is: a running sum a level
+//!    is alive, never the sums of a whole tree (Alg. 1). Levels above the parts are built last.
+//!
+//! How nodes and records are stored is a [`Store`]: [`Floats`] keeps them as they are, and is the
+//! oracle for [`Compact`](crate::compact::Compact), which keeps some ten bytes a surfel. Both have the same nodes and make the
+//! same cuts. Guaranteed: the same bits for any number of threads.
+
+use crate::code::Decoded;
+use crate::cut::{Chooser, Splat, Verdict};
+use crate::hierarchy::Hierarchy;
+use crate::payload::Exact;
+use crate::surfel::Surfel;
+use crate::tree::Node;
+use chiaro_basis::math::Vec3;
+use rayon::prelude::*;
+
+/// Records of a block.
+pub const BLOCK: usize = 16;
+/// Children of a node.
+pub const FAN: usize = 8;
+/// Levels inside a part: blocks are level 0.
+pub const PART_LEVELS: usize = 4;
+/// Records of a part.
+pub const PART: usize = BLOCK * FAN * FAN * FAN;
+
+/// One side of a surfel; side 0 of it lives alone.
+pub type Record = Surfel;
+
+/// The living sides of surfels, in their order.
+pub fn records(surfels: &[Surfel]) -> Vec<Record> {
+    let side = |s: &Surfel, side: usize| Surfel {
+        normal: if side == 0 { s.normal } else { -s.normal },
+        alive: [true, false],
+        radiance: [s.radiance[side], [0.0; 3]],
+        ..*s
+    };
+    let sides = surfels.iter().flat_map(|s| (0..2).map(move |k| (s, k)));
+    sides.filter(|(s, k)| s.alive[*k] && s.area > 0.0).map(|(s, k)| side(s, k)).collect()
+}
+
+/// A node with its sums, as it is before it is stored.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sums {
+    /// Sphere, mean, area and axis.
+    pub node: Node,
+    /// The lobes.
+    pub lobes: Exact,
+    low: Vec3,
+    high: Vec3,
+}
+
+/// Where nodes and records go when they are done.
+pub trait Store: Sync + Send {
+    /// Stores the next block.
+    fn block(&mut self, sums: &Sums, records: &[Record]);
+    /// Stores the next node of a level; blocks are stored as nodes of level 0 too.
+    fn node(&mut self, level: usize, sums: &Sums);
+}
+
+/// What a gather reads of a store. Levels count from the blocks up.
+pub trait Stored: Sync + Send {
+    /// The number of nodes of each level; the last has one.
+    fn counts(&self) -> &[usize];
+    /// The bounding sphere of a node.
+    fn sphere(&self, level: usize, index: usize) -> (Vec3, f32);
+    /// A node, and its lobes.
+    fn node(&self, level: usize, index: usize) -> (Node, Decoded);
+    /// Calls `each` with every record of a block.
+    fn records(&self, block: usize, each: &mut dyn FnMut(&Record));
+}
+
+/// A tree that is stored as `S` says.
+#[derive(Clone, Debug, Default)]
+pub struct Packed<S> {
+    /// Nodes and records.
+    pub store: S,
+    /// The radius of a disc of a record's mean area.
+    pub leaf_radius: f32,
+}
+
+impl<S: Stored> Hierarchy for Packed<S> {
+    fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64 {
+        let counts = self.store.counts();
+        let Some(top) = counts.len().checked_sub(1) else { return 0 };
+        let mut visited = 0;
+        // Level and number of nodes to visit, the next one last.
+        let mut open = vec![(top, 0)];
+        while let Some((level, index)) = open.pop() {
+            visited += 1;
+            let (centre, radius) = self.store.sphere(level, index);
+            match chooser.verdict(centre, radius) {
+                Verdict::Leave => {}
+                Verdict::Splat => {
+                    let (node, lobes) = self.store.node(level, index);
+                    splats.extend(chooser.node(&node, |d| lobes.sent(d)));
+                }
+                Verdict::Open if level == 0 => {
+                    self.store.records(index, &mut |r| splats.extend(chooser.surfel(r)));
+                }
+                Verdict::Open => {
+                    let end = (FAN * index + FAN).min(counts[level - 1]);
+                    open.extend((FAN * index..end).rev().map(|child| (level - 1, child)));
+                }
+            }
+        }
+        visited
+    }
+
+    fn leaf_radius(&self) -> f32 {
+        self.leaf_radius
+    }
+
+    fn is_empty(&self) -> bool {
+        self.store.counts().is_empty()
+    }
+}
+
+/// The numbers of nodes of all levels over so many records.
+pub fn counts(records: usize) -> Vec<usize> {
+    if records == 0 {
+        return Vec::new();
+    }
+    let mut counts = vec![records.div_ceil(BLOCK)];
+    while counts.len() < PART_LEVELS || counts.last().is_some_and(|c| *c > 1) {
+        let below = counts.last().copied().unwrap_or(1);
+        counts.push(below.div_ceil(FAN));
+    }
+    counts
+}
+
+/// Stores a part: its blocks, and its nodes up to its root, whose sums it returns.
+pub fn part(records: &[Record], store: &mut impl Store) -> Sums {
+    grow(PART_LEVELS - 1, records, store)
+}
+
+fn grow(level: usize, records: &[Record], store: &mut impl Store) -> Sums {
+    if level == 0 {
+        let sums = Sums::of_records(records);
+        store.block(&sums, records);
+        store.node(0, &sums);
+        return sums;
+    }
+    let mut gathered = Gathered::default();
+    for child in records.chunks(BLOCK * FAN.pow(level as u32 - 1)) {
+        gathered.add(&grow(level - 1, child, store));
+    }
+    let sums = gathered.done();
+    store.node(level, &sums);
+    sums
+}
+
+/// Stores the levels above the parts.
+pub fn crown(roots: &[Sums], store: &mut impl Store) {
+    let mut level = PART_LEVELS;
+    let mut below = roots.to_vec();
+    while below.len() > 1 {
+        below = below
+            .chunks(FAN)
+            .map(|children| {
+                let mut gathered = Gathered::default();
+                children.iter().for_each(|c| gathered.add(c));
+                let sums = gathered.done();
+                store.node(level, &sums);
+                sums
+            })
+            .collect();
+        level += 1;
+    }
+}
+
+/// The running sum of a node's children.
+#[derive(Default)]
+struct Gathered {
+    sums: Sums,
+    /// Bounding spheres of the children.
+    spheres: Vec<(Vec3, f32)>,
+}
+
+impl Gathered {
+    fn add(&mut self, child: &Sums) {
+        let (all, c) = (&mut self.sums, &child.node);
+        if self.spheres.is_empty() {
+            (all.low, all.high) = (child.low, child.high);
+        }
+        all.low = all.low.min(child.low);
+        all.high = all.high.max(child.high);
+        all.node.area += c.area;
+        all.node.mean += c.area * c.mean;
+        all.node.axis += c.area * c.axis;
+        all.lobes = all.lobes.plus(&child.lobes);
+        self.spheres.push((c.centre, c.radius));
+    }
+
+    fn done(self) -> Sums {
+        let mut sums = self.sums;
+        let centre = 0.5 * (sums.low + sums.high);
+        let over_children =
+            self.spheres.iter().map(|(c, r)| c.distance(centre) + r).fold(0.0, f32::max);
+        let weight = if sums.node.area > 0.0 { 1.0 / sums.node.area } else { 0.0 };
+        sums.node.centre = centre;
+        sums.node.radius = over_children.min(0.5 * sums.high.distance(sums.low));
+        sums.node.mean = if weight > 0.0 { sums.node.mean * weight } else { centre };
+        sums.node.axis *= weight;
+        sums
+    }
+}
+
+impl Sums {
+    fn of_records(records: &[Record]) -> Self {
+        let mut sums = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, ..Self::default() };
+        let node = &mut sums.node;
+        for r in records {
+            sums.lobes.add(r);
+            sums.low = sums.low.min(r.position);
+            sums.high = sums.high.max(r.position);
+            node.mean += r.area * r.position;
+            node.axis += r.area * r.normal;
+            node.area += r.area;
+        }
+        let centre = 0.5 * (sums.low + sums.high);
+        let weight = if node.area > 0.0 { 1.0 / node.area } else { 0.0 };
+        node.centre = centre;
+        node.radius = records.iter().map(|r| r.position.distance(centre)).fold(0.0, f32::max);
+        node.mean = if weight > 0.0 { node.mean * weight } else { centre };
+        node.axis *= weight;
+        node.count = records.len() as u32;
+        sums
+    }
+}
+
+/// Everything in single precision.
+#[derive(Clone, Debug, Default)]
+pub struct Floats {
+    levels: Vec<Vec<(Node, Exact)>>,
+    records: Vec<Record>,
+    counts: Vec<usize>,
+}
+
+impl Store for Floats {
+    fn block(&mut self, _: &Sums, records: &[Record]) {
+        self.records.extend(records);
+    }
+
+    fn node(&mut self, level: usize, sums: &Sums) {
+        if self.levels.len() <= level {
+            self.levels.resize(level + 1, Vec::new());
+        }
+        self.levels[level].push((sums.node, sums.lobes));
+    }
+}
+
+impl Stored for Floats {
+    fn counts(&self) -> &[usize] {
+        &self.counts
+    }
+
+    fn sphere(&self, level: usize, index: usize) -> (Vec3, f32) {
+        let node = &self.levels[level][index].0;
+        (node.centre, node.radius)
+    }
+
+    fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
+        let (node, lobes) = self.levels[level][index];
+        (node, Decoded { local_from_world: None, lobes })
+    }
+
+    fn records(&self, block: usize, each: &mut dyn FnMut(&Record)) {
+        let end = (BLOCK * block + BLOCK).min(self.records.len());
+        self.records[BLOCK * block..end].iter().for_each(each);
+    }
+}
+
+impl Packed<Floats> {
+    /// The tree over records in the order of the curve.
+    pub fn build(records: &[Record]) -> Self {
+        let parts: Vec<(Floats, Sums)> = records
+            .par_chunks(PART)
+            .map(|records| {
+                let mut store = Floats::default();
+                let root = part(records, &mut store);
+                (store, root)
+            })
+            .collect();
+        let mut store = Floats { counts: counts(records.len()), ..Floats::default() };
+        let roots: Vec<Sums> = parts.iter().map(|p| p.1).collect();
+        for (part, _) in parts {
+            store.records.extend(part.records);
+            store.levels.resize(store.levels.len().max(part.levels.len()), Vec::new());
+            store.levels.iter_mut().zip(part.levels).for_each(|(all, more)| all.extend(more));
+        }
+        crown(&roots, &mut store);
+        let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();
+        Self { store, leaf_radius: leaf_radius(area, records.len()) }
+    }
+
+    /// Calls `each` with every node and its lobes.
+    pub fn each_node(&self, mut each: impl FnMut(&Node, &Exact)) {
+        self.store.levels.iter().flatten().for_each(|(node, lobes)| each(node, lobes));
+    }
+
+    /// The same tree with other lobes.
+    pub fn with_lobes(&self, lobes: impl Fn(&Node, &Exact) -> Exact + Sync) -> Self {
+        let mut other = self.clone();
+        other.store.levels.par_iter_mut().flatten().for_each(|(node, own)| *own = lobes(node, own));
+        other
+    }
+
+    /// Bytes of nodes and records.
+    pub fn bytes(&self) -> usize {
+        let nodes: usize = self.store.levels.iter().map(Vec::capacity).sum();
+        nodes * size_of::<(Node, Exact)>() + self.store.records.capacity() * size_of::<Record>()
+    }
+}
+
+/// The radius of a disc of a record's mean area.
+pub fn leaf_radius(area: f64, records: usize) -> f32 {
+    (area / records.max(1) as f64 / std::f64::consts::PI).sqrt() as f32
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::Tree;
+    use crate::curve::Cube;
+    use chiaro_basis::random;
+
+    /// Surfels on a bent sheet, along the curve.
+    pub(crate) fn sheet(n: u64) -> Vec<Surfel> {
+        let surfel = |i: u64| {
+            let [u, v] = random::r2(i);
+            let bend = (6.0 * u).sin();
+            Surfel {
+                position: Vec3::new(u, 0.2 * bend, v),
+                normal: Vec3::new(-1.2 * (6.0 * u).cos(), 1.0, 0.0).normalize(),
+                area: 1.0 / n as f32,
+                alive: [i % 7 != 0, i % 3 == 0],
+                albedo: [0.5; 3],
+                radiance: [[1.0 + u, v, 0.2], [0.3, 0.0, v]],
+            }
+        };
+        let mut all: Vec<Surfel> = (0..n).map(surfel).collect();
+        let cube = Cube::around(Vec3::new(0.0, -0.2, 0.0), Vec3::ONE);
+        all.sort_by_key(|s| cube.index(s.position));
+        all
+    }
+
+    #[test]
+    fn the_cut_of_a_packed_tree_sends_what_that_of_a_binary_tree_sends() {
+        let surfels = sheet(20_000);
+        let (packed, binary) = (Packed::build(&records(&surfels)), Tree::build(&surfels));
+        for from in [Vec3::new(0.5, 1.5, 0.5), Vec3::new(0.2, 0.6, 0.1), Vec3::new(0.9, 1.2, 0.8)] {
+            let chooser = Chooser { from, threshold: 0.005, near: 0.1, above: None, flat: true };
+            let light = |tree: &dyn Hierarchy| {
+                let mut splats = Vec::new();
+                tree.cut(&chooser, &mut splats);
+                splats.iter().fold([0.0; 4], |s, x| {
+                    let r = x.radiance.map(|c| c * x.solid_angle);
+                    [s[0] + r[0], s[1] + r[1], s[2] + r[2], s[3] + x.solid_angle]
+                })
+            };
+            let (a, b) = (light(&packed), light(&binary));
+            for i in 0..4 {
+                assert!((a[i] / b[i] - 1.0).abs() < 0.02, "{a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_hold_what_is_below_them() {
+        let all = records(&sheet(30_000));
+        let tree = Packed::build(&all);
+        let (counts, top) = (tree.store.counts(), tree.store.levels.len() - 1);
+        assert_eq!(counts, tree.store.levels.iter().map(Vec::len).collect::<Vec<_>>());
+        let root = &tree.store.levels[top][0].0;
+        let area: f32 = all.iter().map(|r| r.area).sum();
+        assert!((root.area / area - 1.0).abs() < 1e-3);
+        for level in 1..=top {
+            for (i, (parent, _)) in tree.store.levels[level].iter().enumerate() {
+                let end = (FAN * i + FAN).min(counts[level - 1]);
+                for (child, _) in &tree.store.levels[level - 1][FAN * i..end] {
+                    let corner = child.centre.distance(parent.centre) - child.radius;
+                    assert!(corner <= parent.radius * 1.001);
+                }
+            }
+        }
+        for (i, r) in all.iter().enumerate() {
+            for level in 0..=top {
+                let node = &tree.store.levels[level][i / BLOCK / FAN.pow(level as u32)].0;
+                assert!(r.position.distance(node.centre) <= node.radius * 1.0001 + 1e-6);
+            }
+        }
+        assert!(Packed::build(&[]).is_empty());
+    }
+}

@@ -1,0 +1,224 @@
+//! Trees larger than memory could hold as they are: surfels are made, lit, coded and forgotten
+//! batch by batch (thesis, 6.5.2).
+//!
+//! 1. A *sparse* set of at most [`SPARSE`] surfels is lit, with all bounces. Its tree teaches the
+//!    book (thesis, figure 6.5); it carries the light that was reflected before; near rays ask it.
+//! 2. Dense surfels are counted in 2^21 cells along the Hilbert curve, and cut into batches of
+//!    whole cells with about [`BATCH`] surfels.
+//! 3. Of each batch: its sites are made once more, sorted along the curve, lit directly; to their
+//!    light is added what the nearest sparse surfel received by reflection; and parts of a tree are
+//!    coded ([`compact`](crate::compact)).
+//!
+//! In memory are the coded tree, one batch (some 200 bytes a surfel of it), the cells (16 MB), 24
+//! bytes a triangle that has surfels, and what the sparse set takes. A scene with no more surfels than the
+//! sparse set uses that itself.
+
+use crate::code::{Book, HEADROOM, Lobes, Recipe};
+use crate::compact::{Builder, Compact, Format};
+use crate::curve::{BITS, Cube};
+use crate::near::Reflected;
+use crate::packed::{Packed, Record, records};
+use crate::site::Site;
+use crate::spread::Spread;
+use crate::surfel::{Lit, Surfel, Surfels};
+use crate::{LightKnobs, Prepared};
+use chiaro_basis::math::Vec3;
+use chiaro_basis::{Result, Run};
+use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Surfels of the sparse set, at most.
+pub const SPARSE: u64 = 100_000;
+/// Surfels of a batch, about.
+pub const BATCH: u32 = 1 << 19;
+/// Bits of a cell's index: the highest of the curve's.
+const CELL_BITS: u32 = 21;
+/// Nodes from which a book learns, at most.
+const LESSONS: usize = 65_536;
+
+/// The sparse tree's surfels along the curve, as records.
+pub fn sorted(surfels: &[Surfel], cube: &Cube) -> Vec<Record> {
+    let mut order: Vec<(u64, u32)> =
+        surfels.par_iter().enumerate().map(|(i, s)| (cube.index(s.position), i as u32)).collect();
+    order.par_sort_unstable();
+    let sorted: Vec<Surfel> = order.into_par_iter().map(|(_, i)| surfels[i as usize]).collect();
+    records(&sorted)
+}
+
+/// The book that the tree over `records` teaches; every so many nodes, where they are many.
+pub fn book(records: &[Record], recipe: &Recipe, run: &Run) -> Result<Book> {
+    let tree = Packed::build(records);
+    let mut nodes = Vec::new();
+    tree.each_node(|node, lobes| nodes.push((node.area, node.axis, *lobes)));
+    let step = nodes.len().div_ceil(LESSONS).max(1);
+    let lessons: Vec<Lobes> = nodes
+        .iter()
+        .step_by(step)
+        .map(|(area, axis, sums)| Lobes { sums, area: *area, axis: *axis })
+        .collect();
+    Book::train(&lessons, recipe, 1, run)
+}
+
+/// The cube around everything drawn.
+pub fn cube(lit: &Lit, spread: &Spread) -> Cube {
+    let corners = |t: usize| {
+        let (object, face) = spread.triangle(t);
+        lit.tracer.corners(object, face)
+    };
+    let bounds = (0..spread.triangles()).into_par_iter().map(corners).fold(
+        || (Vec3::INFINITY, Vec3::NEG_INFINITY),
+        |(low, high), corners| {
+            corners.into_iter().fold((low, high), |(l, h), c| (l.min(c), h.max(c)))
+        },
+    );
+    let (low, high) =
+        bounds.reduce(|| (Vec3::INFINITY, Vec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    if low.is_finite() { Cube::around(low, high) } else { Cube::around(Vec3::ZERO, Vec3::ONE) }
+}
+
+/// How the tree of a spread is stored, with a book.
+pub fn format(book: Book, cube: Cube, spread: &Spread, sparse: &Surfels) -> Format {
+    let light = |s: &Surfel| s.radiance.iter().map(|r| r.iter().sum::<f32>()).fold(0.0, f32::max);
+    let brightest = sparse.all.iter().map(light).fold(0.0, f32::max);
+    let area: f64 = sparse.all.iter().map(|s| f64::from(s.area)).sum();
+    Format {
+        book,
+        cube,
+        // Both sides of what is drawn, and of what the sparse set, in another frame, stands for.
+        top_area: 2.0 * area.max(spread.area).max(f64::from(f32::MIN_POSITIVE)) as f32,
+        top_light: if brightest > 0.0 { HEADROOM * brightest } else { 1.0 },
+    }
+}
+
+/// Codes the tree over all surfels of a spread; `sparse` has been lit.
+pub fn build<T>(
+    sparse: &Prepared<T>,
+    spread: &Spread,
+    format: Format,
+    run: &Run,
+) -> Result<Packed<Compact>> {
+    let mut builder = Builder::new(format.clone());
+    if spread.count <= sparse.surfels.all.len() as u64 {
+        run.stage("tree", spread.count, || {
+            builder.add(sorted(&sparse.surfels.all, &format.cube));
+        });
+        return Ok(run.stage("tree", 0, || builder.done()));
+    }
+    let source = Source { lit: &sparse.lit, spread, cube: format.cube };
+    let cells = run.stage("surfels", 0, || source.cells());
+    for range in batches(&cells.counts) {
+        run.check()?;
+        let sites = run.stage("surfels", 0, || source.sites(&cells, range));
+        let surfels = lit_sites(sparse, &sites, run)?;
+        run.stage("tree", surfels.len() as u64, || builder.add(records(&surfels)));
+    }
+    Ok(run.stage("tree", 0, || builder.done()))
+}
+
+/// Sites with all light that they receive.
+fn lit_sites<T>(sparse: &Prepared<T>, sites: &[Site], run: &Run) -> Result<Vec<Surfel>> {
+    let knobs: &LightKnobs = &sparse.knobs;
+    let mut surfels = Surfels::light(&sparse.lit, sites, knobs, run)?.all;
+    let Reflected { grid, irradiance } = &sparse.reflected;
+    if irradiance.is_empty() {
+        return Ok(surfels);
+    }
+    run.stage("direct", 0, || {
+        surfels.par_iter_mut().for_each(|s| {
+            for side in (0..2).filter(|k| s.alive[*k]) {
+                let normal = if side == 0 { s.normal } else { -s.normal };
+                let near = grid.nearest(&sparse.surfels, s.position, normal);
+                let Some((k, other)) = near else { continue };
+                let more = irradiance[k as usize][other];
+                (0..3).for_each(|c| s.radiance[side][c] += s.albedo[c] * FRAC_1_PI * more[c]);
+            }
+        });
+    });
+    Ok(surfels)
+}
+
+/// What makes sites again and again.
+struct Source<'a> {
+    lit: &'a Lit<'a>,
+    spread: &'a Spread,
+    cube: Cube,
+}
+
+/// How many sites lie in each cell of the curve.
+struct Cells {
+    counts: Vec<u32>,
+    /// The first and the last cell of each triangle.
+    spans: Vec<[u32; 2]>,
+}
+
+impl Source<'_> {
+    fn key(&self, site: &Site, [a, b, c]: [Vec3; 3]) -> u64 {
+        self.cube.index(a + (b - a) * site.b[0] + (c - a) * site.b[1])
+    }
+
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        let (object, face) = self.spread.triangle(triangle);
+        self.lit.tracer.corners(object, face)
+    }
+
+    fn cells(&self) -> Cells {
+        let counts: Vec<AtomicU32> = (0..1usize << CELL_BITS).map(|_| AtomicU32::new(0)).collect();
+        let span = |t: usize| {
+            let corners = self.corners(t);
+            let mut span = [u32::MAX, 0];
+            for (_, site) in self.spread.sites(t) {
+                let cell = cell(self.key(&site, corners));
+                // Whole numbers: their sum does not depend on the order.
+                counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+                span = [span[0].min(cell), span[1].max(cell)];
+            }
+            span
+        };
+        let spans = (0..self.spread.triangles()).into_par_iter().map(span).collect();
+        Cells { counts: counts.into_iter().map(AtomicU32::into_inner).collect(), spans }
+    }
+
+    /// The sites of a range of cells, along the curve.
+    fn sites(&self, cells: &Cells, range: std::ops::Range<u32>) -> Vec<Site> {
+        let within = |t: &usize| {
+            let [first, last] = cells.spans[*t];
+            first < range.end && last >= range.start
+        };
+        let mut found: Vec<(u64, u64, Site)> = (0..self.spread.triangles())
+            .into_par_iter()
+            .filter(within)
+            .flat_map_iter(|t| {
+                let corners = self.corners(t);
+                let range = range.clone();
+                self.spread.sites(t).filter_map(move |(number, site)| {
+                    let key = self.key(&site, corners);
+                    range.contains(&cell(key)).then_some((key, number, site))
+                })
+            })
+            .collect();
+        found.par_sort_unstable_by_key(|(key, number, _)| (*key, *number));
+        found.into_iter().map(|(_, _, site)| site).collect()
+    }
+}
+
+fn cell(key: u64) -> u32 {
+    (key >> (3 * BITS - CELL_BITS)) as u32
+}
+
+/// Ranges of cells with about [`BATCH`] sites each.
+fn batches(counts: &[u32]) -> Vec<std::ops::Range<u32>> {
+    let mut ranges = Vec::new();
+    let (mut start, mut sum) = (0, 0u64);
+    for (cell, count) in counts.iter().enumerate() {
+        if sum > 0 && sum + u64::from(*count) > u64::from(BATCH) {
+            ranges.push(start..cell as u32);
+            (start, sum) = (cell as u32, 0);
+        }
+        sum += u64::from(*count);
+    }
+    if sum > 0 {
+        ranges.push(start..counts.len() as u32);
+    }
+    ranges
+}
