@@ -57,6 +57,13 @@ pub enum Gains {
     Colours,
 }
 
+impl Default for Recipe {
+    /// The best of those tried (`chiaro figures quantization`).
+    fn default() -> Self {
+        Self::residual(Gains::Colours, true, 3, 2)
+    }
+}
+
 impl Recipe {
     /// The thesis's: k words on raw sums, no gains; the area, which the thesis does not count, by a
     /// table of as many words.

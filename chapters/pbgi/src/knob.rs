@@ -1,12 +1,27 @@
 //! The knobs of light: the one table.
 
-use chiaro_basis::knobs;
+use crate::code::Recipe;
+use crate::stream::SPARSE;
+use chiaro_basis::{choice, knobs};
 use chiaro_image::tone::Tone;
+
+choice! {
+    /// How the tree is kept in memory.
+    pub enum Storage {
+        /// In single precision.
+        #[default]
+        Exact = "exact",
+        /// Coded, built batch by batch.
+        Compact = "compact",
+    }
+}
 
 knobs! {
     /// How a scene is lit.
     pub struct LightKnobs {
         surfels: u32 = 100000, Count { min: 16, max: 100000000 }, "N (6.3.2)", "", "surfels that stand for the scene's surfaces";
+        tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some ten bytes a surfel, any number of surfels";
+        clusters: u32 = 0, Count { min: 0, max: 65536 }, "l (6.5.1)", "words", "a compact tree whose lobes are one word each of a table of so many; 0: the default code";
         bounces: u32 = 3, Count { min: 0, max: 64 }, "", "", "times that light is reflected before it reaches what is seen; 0: direct light alone";
         solid_angle: f32 = 2.0, Number { min: 0.05, max: 64.0 }, "sigma (6.3.2)", "texels", "a node whose sphere looks smaller than this is not opened";
         resolution: u32 = 12, Count { min: 2, max: 64 }, "", "texels", "texels along a side of the cube buffer";
@@ -19,5 +34,25 @@ knobs! {
         exposure: f32 = 0.0, Number { min: -32.0, max: 32.0 }, "", "stops", "brighter or darker than the automatic exposure";
         tone: Tone = Tone::Neutral, Choice(Tone::WORDS), "", "", "tone curve of displayed pictures; neutral: Khronos PBR Neutral";
         edges: u32 = 4, Count { min: 1, max: 16 }, "", "", "samples along a side of pixels where edges are smoothed; 1: none";
+    }
+}
+
+impl LightKnobs {
+    /// Whether the tree is coded.
+    pub fn is_compact(&self) -> bool {
+        self.tree == Storage::Compact || self.clusters > 0
+    }
+
+    /// Surfels that are lit in full and kept: all, or those that a coded tree learns from.
+    pub fn kept_surfels(&self) -> u32 {
+        if self.is_compact() { self.surfels.min(SPARSE as u32) } else { self.surfels }
+    }
+
+    /// How lobes of a coded tree are coded.
+    pub fn recipe(&self) -> Recipe {
+        match self.clusters {
+            0 => Recipe::default(),
+            words => Recipe::clusters(words as usize),
+        }
     }
 }

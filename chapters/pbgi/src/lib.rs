@@ -52,7 +52,7 @@ pub mod tree;
 
 pub use hierarchy::Hierarchy;
 pub use indirect::{Indirect, Prepared, indirect, prepare};
-pub use knob::LightKnobs;
+pub use knob::{LightKnobs, Storage};
 pub use payload::{Exact, Payload};
 pub use site::{Site, sites};
 pub use spread::Spread;

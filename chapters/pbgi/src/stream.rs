@@ -16,8 +16,9 @@
 use crate::code::{Book, HEADROOM, Lobes, Recipe};
 use crate::compact::{Builder, Compact, Format};
 use crate::curve::{BITS, Cube};
+use crate::hierarchy::Hierarchy;
 use crate::near::Reflected;
-use crate::packed::{Packed, Record, records};
+use crate::packed::{Floats, Packed, Record, records};
 use crate::site::Site;
 use crate::spread::Spread;
 use crate::surfel::{Lit, Surfel, Surfels};
@@ -92,32 +93,55 @@ pub fn format(book: Book, cube: Cube, spread: &Spread, sparse: &Surfels) -> Form
 }
 
 /// Codes the tree over all surfels of a spread; `sparse` has been lit.
-pub fn build<T>(
+pub fn build<T: Hierarchy>(
     sparse: &Prepared<T>,
     spread: &Spread,
     format: Format,
     run: &Run,
 ) -> Result<Packed<Compact>> {
-    let mut builder = Builder::new(format.clone());
+    let cube = format.cube;
+    let mut builder = Builder::new(format);
+    each_batch(sparse, spread, cube, run, &mut |records| builder.add(records))?;
+    Ok(run.stage("tree", 0, || builder.done()))
+}
+
+/// The same tree as it is before it is coded, the whole of it in memory: the oracle.
+pub fn build_exact<T: Hierarchy>(
+    sparse: &Prepared<T>,
+    spread: &Spread,
+    cube: Cube,
+    run: &Run,
+) -> Result<Packed<Floats>> {
+    let mut all = Vec::new();
+    each_batch(sparse, spread, cube, run, &mut |records| all.extend(records))?;
+    Ok(run.stage("tree", all.len() as u64, || Packed::build(&all)))
+}
+
+/// Hands the records of all surfels to `take`, batch by batch along the curve.
+fn each_batch<T: Hierarchy>(
+    sparse: &Prepared<T>,
+    spread: &Spread,
+    cube: Cube,
+    run: &Run,
+    take: &mut dyn FnMut(Vec<Record>),
+) -> Result<()> {
     if spread.count <= sparse.surfels.all.len() as u64 {
-        run.stage("tree", spread.count, || {
-            builder.add(sorted(&sparse.surfels.all, &format.cube));
-        });
-        return Ok(run.stage("tree", 0, || builder.done()));
+        run.stage("tree", spread.count, || take(sorted(&sparse.surfels.all, &cube)));
+        return Ok(());
     }
-    let source = Source { lit: &sparse.lit, spread, cube: format.cube };
+    let source = Source { lit: &sparse.lit, spread, cube };
     let cells = run.stage("surfels", 0, || source.cells());
     for range in batches(&cells.counts) {
         run.check()?;
         let sites = run.stage("surfels", 0, || source.sites(&cells, range));
         let surfels = lit_sites(sparse, &sites, run)?;
-        run.stage("tree", surfels.len() as u64, || builder.add(records(&surfels)));
+        run.stage("tree", surfels.len() as u64, || take(records(&surfels)));
     }
-    Ok(run.stage("tree", 0, || builder.done()))
+    Ok(())
 }
 
 /// Sites with all light that they receive.
-fn lit_sites<T>(sparse: &Prepared<T>, sites: &[Site], run: &Run) -> Result<Vec<Surfel>> {
+fn lit_sites<T: Hierarchy>(sparse: &Prepared<T>, sites: &[Site], run: &Run) -> Result<Vec<Surfel>> {
     let knobs: &LightKnobs = &sparse.knobs;
     let mut surfels = Surfels::light(&sparse.lit, sites, knobs, run)?.all;
     let Reflected { grid, irradiance } = &sparse.reflected;

@@ -7,7 +7,7 @@ use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::codec::{self, Limits};
 use chiaro_image::colour::luminance;
-use chiaro_pbgi::{LightKnobs, Site, sites};
+use chiaro_pbgi::{LightKnobs, Site, Spread, sites};
 use chiaro_scene::{Frame, LightKind, Pose};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{
@@ -30,7 +30,9 @@ pub(crate) struct Shot<'a> {
     pub(crate) project: &'a Project,
     pub(crate) camera: Camera,
     pub(crate) surfaces: Surfaces<'a>,
+    /// Surfels that are lit in full, and all of a coded tree.
     pub(crate) sites: Vec<Site>,
+    pub(crate) spread: Spread,
     /// Display values over radiance.
     pub(crate) exposure: f32,
     source: Source,
@@ -67,11 +69,15 @@ impl<'a> Shot<'a> {
         let camera = Camera::choose(project, &frames, run)?;
         let surfaces = Surfaces::new(&project.scene);
         let pose = camera.pose(&frames[0], numbers[0]);
-        let sites = sites(&project.scene, &frames[0], knobs.surfels as usize);
+        let sites = sites(&project.scene, &frames[0], knobs.kept_surfels() as usize);
+        let spread = match knobs.is_compact() {
+            true => Spread::of(&project.scene, &frames[0], knobs.surfels.into()),
+            false => Spread::default(),
+        };
         let tracer = Tracer::new(&project.scene, &frames[0]);
         let source = Source::choose(project, sky, &tracer, &surfaces, &pose, run);
         drop(tracer);
-        let mut shot = Self { project, camera, surfaces, sites, exposure: 1.0, source, env_hash };
+        let mut shot = Self { project, camera, surfaces, sites, spread, exposure: 1.0, source, env_hash };
         shot.exposure = shot.expose(&numbers, &frames, knobs, run)?;
         Ok(shot)
     }
