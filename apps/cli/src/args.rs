@@ -406,11 +406,12 @@ pub(crate) struct LightArgs {
     /// Stops brighter than the automatic exposure.
     #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
     pub(crate) exposure: Option<f32>,
-    /// Set a knob: surfels, bounces, solid_angle, error_bound and others.
+    /// Set a knob: surfels, bounces, tree, clusters, error_bound and others.
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub(crate) sets: Vec<String>,
-    /// Measure errors against the path-traced reference; takes a while.
-    #[arg(long, value_name = "path")]
+    /// Measure errors: against the path-traced reference (takes a while), or of a compact tree
+    /// against the same tree before it was coded.
+    #[arg(long, value_name = "path|exact")]
     pub(crate) check: Option<String>,
     /// Colour where there is nothing, or none [default: the sky].
     #[arg(long, value_name = "COLOUR")]

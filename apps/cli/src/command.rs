@@ -140,7 +140,7 @@ fn knobs(ink: &InkArgs) -> Result<(Style, chiaro_binary::BinaryKnobs)> {
 struct LightSettings {
     knobs: chiaro_pbgi::LightKnobs,
     method: light::Method,
-    check: bool,
+    check: light::Check,
     backdrop: Option<[f32; 4]>,
 }
 
@@ -159,12 +159,17 @@ impl LightSettings {
             other => return Err(Error::setting("--method", other, "pbgi or path")),
         };
         let check = match args.check.as_deref() {
-            None => false,
-            Some("path") if method == light::Method::Pbgi => true,
-            Some("path") => {
-                return Err(Error::setting("--check", "path", "--method pbgi beside it"));
+            None => light::Check::Nothing,
+            Some(word) if method != light::Method::Pbgi => {
+                return Err(Error::setting("--check", word, "--method pbgi beside it"));
             }
-            Some(other) => return Err(Error::setting("--check", other, "path")),
+            Some("path") => light::Check::Path,
+            Some("exact") if knobs.is_compact() => light::Check::Exact,
+            Some("exact") => {
+                let remedy = "--set tree=compact or --set clusters=N beside it";
+                return Err(Error::setting("--check", "exact", remedy));
+            }
+            Some(other) => return Err(Error::setting("--check", other, "path or exact")),
         };
         let backdrop = args.background.as_deref().map(|t| colour("--background", t)).transpose()?;
         Ok(Self { knobs, method, check, backdrop })

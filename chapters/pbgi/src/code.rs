@@ -280,6 +280,11 @@ impl Book {
         Decoded { local_from_world, lobes }
     }
 
+    /// Words of all tables.
+    pub fn words(&self) -> usize {
+        self.light.iter().chain(&self.area).map(Table::len).sum()
+    }
+
     /// Bytes of the tables.
     pub fn size(&self) -> usize {
         let words = |t: &[Table]| t.iter().map(|t| 4 * t.words.len()).sum::<usize>();
@@ -466,7 +471,7 @@ mod tests {
             for j in 0..4 {
                 let normal = (about + 0.4 * v(20, 4 * i + j)).normalize_or(Vec3::Z);
                 let a = 0.5 + unit(30, 4 * i + j);
-                let black = i % 4 == 0;
+                let black = i.is_multiple_of(4);
                 let light = [1, 2, 3].map(|c| if black { 0.0 } else { unit(c + 40, i) * 3.0 });
                 let surfel = crate::Surfel {
                     normal,

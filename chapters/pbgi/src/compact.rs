@@ -15,11 +15,13 @@
 
 use crate::code::{Book, Decoded, Lobes, Pen, float16, float16_above, from_float16};
 use crate::curve::Cube;
+use crate::file;
 use crate::packed::{
     BLOCK, FAN, PART, PART_LEVELS, Packed, Record, Store, Stored, Sums, counts, crown, leaf_radius,
     part,
 };
 use crate::tree::Node;
+use chiaro_basis::Result;
 use chiaro_basis::math::{Vec3, vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -263,15 +265,20 @@ impl Store for Writer<'_> {
     }
 }
 
-/// A tree that grows part by part.
-pub struct Builder {
+/// Takes the bytes of a file, in order.
+pub type Sink<'a> = Box<dyn FnMut(&[u8]) -> Result<()> + 'a>;
+
+/// A tree that grows part by part, in memory or into a file.
+pub struct Builder<'a> {
     tree: Compact,
     roots: Vec<Sums>,
     waiting: Vec<Record>,
     area: f64,
+    sink: Option<Sink<'a>>,
+    written: u64,
 }
 
-impl Builder {
+impl<'a> Builder<'a> {
     /// An empty tree.
     pub fn new(format: Format) -> Self {
         let tree = Compact {
@@ -281,19 +288,37 @@ impl Builder {
             records: 0,
             counts: Vec::new(),
         };
-        Self { tree, roots: Vec::new(), waiting: Vec::new(), area: 0.0 }
+        let (roots, waiting) = (Vec::new(), Vec::new());
+        Self { tree, roots, waiting, area: 0.0, sink: None, written: 0 }
+    }
+
+    /// An empty tree whose parts go to a file as they are made.
+    pub fn into_file(format: Format, sink: Sink<'a>) -> Result<Self> {
+        let mut builder = Self { sink: Some(sink), ..Self::new(format) };
+        builder.write(&file::head())?;
+        Ok(builder)
+    }
+
+    /// The scene's cube, along whose curve records come.
+    pub fn cube(&self) -> Cube {
+        self.tree.format.cube
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        self.written += bytes.len() as u64;
+        self.sink.as_mut().map_or(Ok(()), |sink| sink(bytes))
     }
 
     /// Adds records that follow on the curve; whole parts are coded at once, the rest waits.
-    pub fn add(&mut self, records: Vec<Record>) {
+    pub fn add(&mut self, records: Vec<Record>) -> Result<()> {
         self.waiting.extend(records);
         let whole = self.waiting.len() / PART * PART;
         let rest = self.waiting.split_off(whole);
         let ready = std::mem::replace(&mut self.waiting, rest);
-        self.store(&ready);
+        self.store(&ready)
     }
 
-    fn store(&mut self, records: &[Record]) {
+    fn store(&mut self, records: &[Record]) -> Result<()> {
         let format = &self.tree.format;
         let parts: Vec<(Part, Sums)> = records
             .par_chunks(PART)
@@ -307,29 +332,61 @@ impl Builder {
             })
             .collect();
         for (part, root) in parts {
-            self.tree.parts.push(part);
+            if self.sink.is_some() {
+                let bytes = (*part.bytes).as_ref();
+                self.write(bytes)?;
+                self.write(&file::checksum(bytes).to_le_bytes())?;
+            } else {
+                self.tree.parts.push(part);
+            }
             self.roots.push(root);
         }
         self.tree.records += records.len();
         self.area += records.iter().map(|r| f64::from(r.area)).sum::<f64>();
+        Ok(())
     }
 
-    /// Codes what waits and the levels above the parts.
-    pub fn done(mut self) -> Packed<Compact> {
+    /// Codes what waits and the levels above the parts. The tree of a file has no parts here:
+    /// [`open`](crate::file::open) it. `origin` says in the file what the tree was made from.
+    pub fn done(&mut self, origin: &str) -> Result<Packed<Compact>> {
         let rest = std::mem::take(&mut self.waiting);
-        self.store(&rest);
+        self.store(&rest)?;
         let format = Arc::clone(&self.tree.format);
         let mut writer = Writer::new(&format);
         crown(&self.roots, &mut writer);
-        let mut tree = self.tree;
+        let tree = &mut self.tree;
         tree.crown = writer.levels.into_iter().skip(PART_LEVELS).collect();
         tree.counts = counts(tree.records);
         let leaf_radius = leaf_radius(self.area, tree.records);
-        Packed { store: tree, leaf_radius }
+        let tree = Packed { store: tree.clone(), leaf_radius };
+        if self.sink.is_some() {
+            let before = self.written;
+            self.write(&file::tail(&tree, origin, before))?;
+        }
+        Ok(tree)
     }
 }
 
 impl Compact {
+    /// The tree whose parts lie in `bytes`, each at a start and of a length; `None` when numbers do
+    /// not fit each other.
+    pub(crate) fn of_bytes(
+        format: Format,
+        bytes: Bytes,
+        parts: &[(usize, usize)],
+        crown: Vec<Vec<u8>>,
+        records: usize,
+    ) -> Option<Self> {
+        let counts = counts(records);
+        let above = counts.iter().skip(PART_LEVELS).map(|n| n * format.node_bytes());
+        if !above.eq(crown.iter().map(Vec::len)) {
+            return None;
+        }
+        let part = |&(start, _): &(usize, usize)| Part { bytes: Arc::clone(&bytes), start };
+        let parts = parts.iter().map(part).collect();
+        Some(Self { format: Arc::new(format), parts, crown, records, counts })
+    }
+
     /// A node's bytes.
     fn node_at(&self, level: usize, index: usize) -> &[u8] {
         let stride = self.format.node_bytes();
@@ -355,8 +412,10 @@ impl Compact {
 
     /// Bytes of nodes, records and tables in memory, with what holds them.
     pub fn bytes(&self) -> usize {
-        let part = |p: &Part| (*p.bytes).as_ref().len() + 40 + size_of::<Part>();
-        let parts: usize = self.parts.iter().map(part).sum();
+        // A part's vector, its counts of owners, and its place in the list.
+        const HOLDER: usize = 40 + size_of::<Part>();
+        let part = |first: usize| self.format.part_bytes(PART.min(self.records - first)) + HOLDER;
+        let parts: usize = (0..self.records).step_by(PART).map(part).sum();
         parts + self.crown.iter().map(Vec::capacity).sum::<usize>() + self.format.book.size()
     }
 
@@ -431,8 +490,8 @@ mod tests {
             top_light: 4.0,
         };
         let mut builder = Builder::new(format);
-        all.chunks(5000).for_each(|some| builder.add(some.to_vec()));
-        (exact, builder.done())
+        all.chunks(5000).for_each(|some| builder.add(some.to_vec()).unwrap());
+        (exact, builder.done("").unwrap())
     }
 
     #[test]
@@ -469,6 +528,61 @@ mod tests {
         }
         let bytes = coded.store.bytes() - coded.store.format.book.size();
         assert!(bytes < 11 * coded.store.records, "{}", bytes as f64 / coded.store.records as f64);
+    }
+
+    /// A tree file's bytes.
+    fn file_of(n: u64) -> Vec<u8> {
+        let (_, coded) = both(n);
+        let mut bytes = Vec::new();
+        let format = (*coded.store.format).clone();
+        let sink: Sink = Box::new(|more: &[u8]| {
+            bytes.extend(more);
+            Ok(())
+        });
+        let mut builder = Builder::into_file(format, sink).unwrap();
+        builder.add(records(&sheet(n))).unwrap();
+        builder.done("a sheet").unwrap();
+        drop(builder);
+        bytes
+    }
+
+    #[test]
+    fn a_tree_from_a_file_is_the_tree_in_memory() {
+        let (_, coded) = both(12_000);
+        let bytes = file_of(12_000);
+        let (read, origin) = file::open(Arc::new(bytes), "t").unwrap();
+        assert_eq!((origin.as_str(), read.leaf_radius), ("a sheet", coded.leaf_radius));
+        assert_eq!(read.store.counts(), coded.store.counts());
+        for level in 0..read.store.counts().len() {
+            for index in 0..read.store.counts()[level] {
+                assert_eq!(read.store.node_at(level, index), coded.store.node_at(level, index));
+            }
+        }
+        for block in 0..read.store.counts()[0] {
+            let (mut a, mut b) = (Vec::new(), Vec::new());
+            read.store.records(block, &mut |r| a.push(r.radiance));
+            coded.store.records(block, &mut |r| b.push(r.radiance));
+            assert_eq!(a, b);
+        }
+    }
+
+    #[test]
+    fn files_cut_off_or_altered_are_one_sentence() {
+        let bytes = file_of(12_000);
+        let told = |bytes: Vec<u8>| match file::open(Arc::new(bytes), "t.pbgi") {
+            Ok(_) => String::new(),
+            Err(e) => e.to_string(),
+        };
+        for length in [0, 5, 20, 40, 1000, bytes.len() / 2, bytes.len() - 9, bytes.len() - 1] {
+            let text = told(bytes[..length].to_vec());
+            assert!(text.contains("t.pbgi") && text.contains("bake"), "{length}: {text}");
+        }
+        for i in 0..300 {
+            let mut other = bytes.clone();
+            let at = chiaro_basis::random::hash(5, i) as usize % other.len();
+            other[at] ^= 1 << (i % 8);
+            assert!(told(other).contains("bake"), "{at}");
+        }
     }
 
     #[test]

@@ -31,6 +31,14 @@ pub struct Prepared<'a, T: Hierarchy = Tree> {
     pub shift: u32,
 }
 
+impl<'a, T: Hierarchy> Prepared<'a, T> {
+    /// The same frame with another tree.
+    pub fn with_tree<U: Hierarchy>(self, tree: U) -> (Prepared<'a, U>, T) {
+        let Self { lit, surfels, reflected, tree: before, knobs, shift } = self;
+        (Prepared { lit, surfels, reflected, tree, knobs, shift }, before)
+    }
+}
+
 /// Irradiance by reflected light, with counts.
 #[derive(Clone, Debug, Default)]
 pub struct Indirect {

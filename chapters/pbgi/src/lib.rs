@@ -32,6 +32,7 @@ pub mod compact;
 pub mod cube;
 pub mod curve;
 pub mod cut;
+pub mod file;
 pub mod grid;
 pub mod harmonic;
 pub mod hierarchy;

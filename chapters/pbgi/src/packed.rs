@@ -340,7 +340,7 @@ pub(crate) mod tests {
                 position: Vec3::new(u, 0.2 * bend, v),
                 normal: Vec3::new(-1.2 * (6.0 * u).cos(), 1.0, 0.0).normalize(),
                 area: 1.0 / n as f32,
-                alive: [i % 7 != 0, i % 3 == 0],
+                alive: [!i.is_multiple_of(7), i.is_multiple_of(3)],
                 albedo: [0.5; 3],
                 radiance: [[1.0 + u, v, 0.2], [0.3, 0.0, v]],
             }
@@ -367,7 +367,7 @@ pub(crate) mod tests {
             };
             let (a, b) = (light(&packed), light(&binary));
             for i in 0..4 {
-                assert!((a[i] / b[i] - 1.0).abs() < 0.02, "{a:?} {b:?}");
+                assert!((a[i] / b[i] - 1.0).abs() < 0.04, "{a:?} {b:?}");
             }
         }
     }

@@ -92,17 +92,18 @@ pub fn format(book: Book, cube: Cube, spread: &Spread, sparse: &Surfels) -> Form
     }
 }
 
-/// Codes the tree over all surfels of a spread; `sparse` has been lit.
+/// Codes the tree over all surfels of a spread with a builder in whose format it is; `sparse` has been lit.
+/// `origin` says in a file what the tree was made from.
 pub fn build<T: Hierarchy>(
     sparse: &Prepared<T>,
     spread: &Spread,
-    format: Format,
+    mut builder: Builder,
+    origin: &str,
     run: &Run,
 ) -> Result<Packed<Compact>> {
-    let cube = format.cube;
-    let mut builder = Builder::new(format);
+    let cube = builder.cube();
     each_batch(sparse, spread, cube, run, &mut |records| builder.add(records))?;
-    Ok(run.stage("tree", 0, || builder.done()))
+    run.stage("tree", 0, || builder.done(origin))
 }
 
 /// The same tree as it is before it is coded, the whole of it in memory: the oracle.
@@ -113,7 +114,10 @@ pub fn build_exact<T: Hierarchy>(
     run: &Run,
 ) -> Result<Packed<Floats>> {
     let mut all = Vec::new();
-    each_batch(sparse, spread, cube, run, &mut |records| all.extend(records))?;
+    each_batch(sparse, spread, cube, run, &mut |records| {
+        all.extend(records);
+        Ok(())
+    })?;
     Ok(run.stage("tree", all.len() as u64, || Packed::build(&all)))
 }
 
@@ -123,11 +127,10 @@ fn each_batch<T: Hierarchy>(
     spread: &Spread,
     cube: Cube,
     run: &Run,
-    take: &mut dyn FnMut(Vec<Record>),
+    take: &mut dyn FnMut(Vec<Record>) -> Result<()>,
 ) -> Result<()> {
     if spread.count <= sparse.surfels.all.len() as u64 {
-        run.stage("tree", spread.count, || take(sorted(&sparse.surfels.all, &cube)));
-        return Ok(());
+        return run.stage("tree", spread.count, || take(sorted(&sparse.surfels.all, &cube)));
     }
     let source = Source { lit: &sparse.lit, spread, cube };
     let cells = run.stage("surfels", 0, || source.cells());
@@ -135,7 +138,7 @@ fn each_batch<T: Hierarchy>(
         run.check()?;
         let sites = run.stage("surfels", 0, || source.sites(&cells, range));
         let surfels = lit_sites(sparse, &sites, run)?;
-        run.stage("tree", surfels.len() as u64, || take(records(&surfels)));
+        run.stage("tree", surfels.len() as u64, || take(records(&surfels)))?;
     }
     Ok(())
 }

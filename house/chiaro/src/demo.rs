@@ -142,7 +142,7 @@ fn light_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(
             knobs: &LightKnobs::default(),
             method: light::Method::default(),
             env: None,
-            check: false,
+            check: light::Check::Nothing,
             backdrop: None,
             target: Target::parse(&folder.join(file), 1)?,
         };

@@ -1,4 +1,5 @@
-//! `--check path`: how far a picture is from the path-traced truth.
+//! `--check path`: how far a picture is from the path-traced truth; `--check exact`: from that of
+//! the same tree before it was coded.
 
 use super::shot::Shot;
 use chiaro_basis::{Result, Run};
@@ -62,9 +63,34 @@ pub(super) fn against_paths(
     let (a, b) = (shown(&own), shown(&truth));
     let mut counts = Map::new();
     counts.insert("psnr_db".into(), json!(metric::psnr_db(&a, &b)?));
+    counts.insert("flip".into(), json!(metric::flip(&b, &a)?));
     counts.insert("rmse_relative".into(), json!(error));
     counts.insert("reference_error".into(), json!(reference_error));
     counts.insert("reference_samples".into(), json!(reference.samples()));
+    Ok(counts)
+}
+
+/// Differences of the displayed pictures of a coded tree and of the same tree as it was.
+pub(super) fn against_exact(
+    shot: &Shot,
+    coded: &Plane<Seen>,
+    exact: &Plane<Seen>,
+    knobs: &LightKnobs,
+) -> Result<Map<String, Value>> {
+    let shown = |p: &Plane<Seen>| displayed(p, shot.exposure, knobs.tone);
+    let (a, b) = (shown(coded), shown(exact));
+    let grey = |p: &Plane<Seen>| p.map(|s| s.indirect);
+    let covered = exact.map(|s| s.coverage > 0.0);
+    let mut counts = Map::new();
+    for (name, value) in [
+        ("psnr_db", json!(metric::psnr_db(&a, &b)?)),
+        ("different_pixels", json!(metric::different_pixels(&a, &b)?)),
+        ("flip", json!(metric::flip(&b, &a)?)),
+        ("rmse_relative", json!(metric::rmse_relative(&grey(coded), &grey(exact), &covered)?)),
+        ("max_difference", json!(metric::max_difference(&a, &b)?)),
+    ] {
+        counts.insert(name.into(), value);
+    }
     Ok(counts)
 }
 

@@ -1,6 +1,7 @@
 //! The job: frames in, lit pictures out.
 
 use super::check;
+use super::coded::{self, Gathered};
 use super::layers::{Backdrop, Layers};
 use super::shot::Shot;
 use crate::film::Target;
@@ -9,9 +10,9 @@ use crate::project::Project;
 use crate::record::{Record, frame_recipe, knob_settings};
 use chiaro_basis::{Error, Result, Run, choice};
 use chiaro_image::{Plane, codec};
+use chiaro_pbgi::LightKnobs;
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::Lit;
-use chiaro_pbgi::{LightKnobs, indirect, prepare};
 use chiaro_scene::Frame;
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{GBuffer, ambient_occlusion, direct_irradiance};
@@ -26,6 +27,19 @@ choice! {
         Pbgi = "pbgi",
         /// Path tracing: the reference.
         Path = "path",
+    }
+}
+
+choice! {
+    /// Against what a picture is measured.
+    pub enum Check {
+        /// Nothing.
+        #[default]
+        Nothing = "nothing",
+        /// The path-traced reference.
+        Path = "path",
+        /// The same tree before it was coded.
+        Exact = "exact",
     }
 }
 
@@ -44,8 +58,8 @@ pub struct Job<'a> {
     pub method: Method,
     /// A picture of the surroundings in latitude and longitude.
     pub env: Option<PathBuf>,
-    /// Whether errors against the reference are measured.
-    pub check: bool,
+    /// Against what errors are measured.
+    pub check: Check,
     /// What stands behind the scene.
     pub backdrop: Option<[f32; 4]>,
     /// Where the picture goes.
@@ -150,31 +164,23 @@ impl Job<'_> {
         let pixels = buffer.covered.len() as u64;
         let direct = run
             .stage("channels", pixels, || direct_irradiance(lit.tracer, buffer, lit.lights, run))?;
-        let scene = prepare(*lit, &shot.sites, self.knobs, run)?;
-        let found = indirect(&scene, buffer, run)?;
+        let oracle = self.check == Check::Exact;
+        let Gathered { found, exact, mut counts } =
+            coded::gather(shot, lit, buffer, self.knobs, oracle, run)?;
         let irradiance = Irradiance { direct: &direct, indirect: &found.irradiance };
         let side = self.knobs.edges;
         let seen = run.stage("draw", pixels, || resolve(lit, buffer, &irradiance, side, run))?;
-        let mut counts = Map::new();
-        let surfels = scene.surfels.all.len();
         let receivers = buffer.covered.pixels().iter().filter(|c| **c).count();
-        for (name, value) in [
-            ("surfels", json!(surfels)),
-            ("dead_sides", json!(scene.surfels.dead_sides())),
-            ("nodes", json!(scene.tree.nodes.len())),
-            ("lut_entries", json!(0)),
-            ("tree_bytes", json!(scene.tree.bytes())),
-            ("bytes_per_surfel", json!(scene.tree.bytes() as f64 / surfels.max(1) as f64)),
-            ("receivers", json!(receivers)),
-            ("gathers", json!(found.gathers)),
-            ("visited_nodes", json!(found.visited)),
-            ("bounces", json!(self.knobs.bounces)),
-        ] {
-            counts.insert(name.into(), value);
-        }
-        if self.check {
+        counts.insert("receivers".into(), json!(receivers));
+        counts.insert("bounces".into(), json!(self.knobs.bounces));
+        if self.check == Check::Path {
             let measured = check::against_paths(shot, lit, buffer, &irradiance, self.knobs, run)?;
             counts.extend(measured);
+        }
+        if let Some(exact) = exact {
+            let irradiance = Irradiance { direct: &direct, indirect: &exact.irradiance };
+            let truth = resolve(lit, buffer, &irradiance, side, run)?;
+            counts.extend(check::against_exact(shot, &seen, &truth, self.knobs)?);
         }
         Ok((seen, counts))
     }

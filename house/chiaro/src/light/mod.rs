@@ -5,8 +5,9 @@
 //! 2. A frame at a time: rays, direct light, surfels, tree, gathers, and the file, written whole.
 
 mod check;
+mod coded;
 mod job;
 mod layers;
 mod shot;
 
-pub use job::{Job, Method, check_target};
+pub use job::{Check, Job, Method, check_target};

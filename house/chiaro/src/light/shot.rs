@@ -77,7 +77,8 @@ impl<'a> Shot<'a> {
         let tracer = Tracer::new(&project.scene, &frames[0]);
         let source = Source::choose(project, sky, &tracer, &surfaces, &pose, run);
         drop(tracer);
-        let mut shot = Self { project, camera, surfaces, sites, spread, exposure: 1.0, source, env_hash };
+        let mut shot =
+            Self { project, camera, surfaces, sites, spread, exposure: 1.0, source, env_hash };
         shot.exposure = shot.expose(&numbers, &frames, knobs, run)?;
         Ok(shot)
     }
