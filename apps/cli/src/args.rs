@@ -413,6 +413,12 @@ pub(crate) struct LightArgs {
     /// against the same tree before it was coded.
     #[arg(long, value_name = "path|exact")]
     pub(crate) check: Option<String>,
+    /// Write the compact tree of surfels into a file, which is then mapped instead of kept.
+    #[arg(long, value_name = "FILE", conflicts_with = "tree")]
+    pub(crate) bake: Option<PathBuf>,
+    /// Take far light from a tree that --bake wrote; larger than memory, and shared by renders.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tree: Option<PathBuf>,
     /// Colour where there is nothing, or none [default: the sky].
     #[arg(long, value_name = "COLOUR")]
     pub(crate) background: Option<String>,

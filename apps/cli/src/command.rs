@@ -103,6 +103,8 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 method: settings.method,
                 env: light.env.clone(),
                 check: settings.check,
+                bake: light.bake.clone(),
+                tree: light.tree.clone(),
                 backdrop: settings.backdrop,
                 target,
             };
@@ -149,6 +151,9 @@ impl LightSettings {
         let mut knobs = chiaro_pbgi::LightKnobs::default();
         for text in &args.sets {
             style::set(&mut knobs, text)?;
+        }
+        if args.bake.is_some() || args.tree.is_some() {
+            knobs.set("tree", "compact")?;
         }
         if let Some(stops) = args.exposure {
             knobs.set("exposure", &stops.to_string())?;

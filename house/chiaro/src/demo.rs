@@ -143,6 +143,8 @@ fn light_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(
             method: light::Method::default(),
             env: None,
             check: light::Check::Nothing,
+            bake: None,
+            tree: None,
             backdrop: None,
             target: Target::parse(&folder.join(file), 1)?,
         };

@@ -16,6 +16,7 @@ pub mod film;
 mod frames;
 pub mod gbuffer;
 pub mod given;
+mod growing;
 pub mod info;
 pub mod light;
 mod lighting;

@@ -41,7 +41,7 @@ pub fn whole(path: &Path, bytes: &[u8]) -> Result<Output> {
 }
 
 /// A name in the same folder that no other process and no other call uses.
-fn beside(path: &Path) -> PathBuf {
+pub(crate) fn beside(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let count = COUNTER.fetch_add(1, Ordering::Relaxed);
     path.with_file_name(format!(".{name}.{}-{count}.part", std::process::id()))

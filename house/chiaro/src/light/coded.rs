@@ -1,11 +1,16 @@
 //! Gathers from a tree, stored as the knobs say, and from its oracle.
 
+use super::baked;
 use super::shot::Shot;
+use crate::growing::Growing;
 use chiaro_basis::{Result, Run};
-use chiaro_pbgi::compact::Builder;
-use chiaro_pbgi::{Indirect, LightKnobs, Lit, indirect, prepare, stream};
+use chiaro_pbgi::compact::{Builder, Compact};
+use chiaro_pbgi::curve::Cube;
+use chiaro_pbgi::packed::Packed;
+use chiaro_pbgi::{Indirect, LightKnobs, Lit, Prepared, indirect, prepare, stream};
 use chiaro_trace::GBuffer;
 use serde_json::{Map, Value, json};
+use std::sync::PoisonError;
 
 /// What was gathered.
 pub(super) struct Gathered {
@@ -37,13 +42,11 @@ pub(super) fn gather(
         return Ok(Gathered { found, exact: None, counts });
     }
     let cube = stream::cube(lit, &shot.spread);
-    let lessons = stream::sorted(&sparse.surfels.all, &cube);
-    let book =
-        run.stage("book", lessons.len() as u64, || stream::book(&lessons, &knobs.recipe(), run))?;
-    drop(lessons);
-    let words = book.words();
-    let format = stream::format(book, cube, &shot.spread, &sparse.surfels);
-    let tree = stream::build(&sparse, &shot.spread, Builder::new(format), "", run)?;
+    let tree = match &shot.files.baked {
+        Some(baked) => baked.tree.clone(),
+        None => built(shot, &sparse, cube, knobs, run)?,
+    };
+    let words = tree.store.format.book.words();
     let (bytes, nodes, records) = (tree.store.bytes(), tree.store.nodes(), tree.store.records);
     let (scene, _) = sparse.with_tree(tree);
     let found = indirect(&scene, buffer, run)?;
@@ -58,6 +61,31 @@ pub(super) fn gather(
         false => None,
     };
     Ok(Gathered { found, exact, counts })
+}
+
+/// Teaches a book and codes the tree, in memory or into a file that is then mapped.
+fn built(
+    shot: &Shot,
+    sparse: &Prepared,
+    cube: Cube,
+    knobs: &LightKnobs,
+    run: &Run,
+) -> Result<Packed<Compact>> {
+    let lessons = stream::sorted(&sparse.surfels.all, &cube);
+    let book =
+        run.stage("book", lessons.len() as u64, || stream::book(&lessons, &knobs.recipe(), run))?;
+    drop(lessons);
+    let format = stream::format(book, cube, &shot.spread, &sparse.surfels);
+    let files = &shot.files;
+    let Some(path) = &files.bake else {
+        return stream::build(sparse, &shot.spread, Builder::new(format), "", run);
+    };
+    let mut file = Growing::create(path)?;
+    let builder = Builder::into_file(format, Box::new(|bytes| file.write(bytes)))?;
+    stream::build(sparse, &shot.spread, builder, &files.origin, run)?;
+    let written = run.stage("write", 1, || file.finish())?;
+    files.written.lock().unwrap_or_else(PoisonError::into_inner).push(written);
+    Ok(baked::open(path, &files.origin, run)?.tree)
 }
 
 fn measures(

@@ -1,5 +1,6 @@
 //! The job: frames in, lit pictures out.
 
+use super::baked::{self, TreeFiles};
 use super::check;
 use super::coded::{self, Gathered};
 use super::layers::{Backdrop, Layers};
@@ -18,6 +19,7 @@ use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{GBuffer, ambient_occlusion, direct_irradiance};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
+use std::sync::PoisonError;
 
 choice! {
     /// How light is transported.
@@ -60,6 +62,10 @@ pub struct Job<'a> {
     pub env: Option<PathBuf>,
     /// Against what errors are measured.
     pub check: Check,
+    /// Where the coded tree is written.
+    pub bake: Option<PathBuf>,
+    /// A tree that was written so, used in every frame.
+    pub tree: Option<PathBuf>,
     /// What stands behind the scene.
     pub backdrop: Option<[f32; 4]>,
     /// Where the picture goes.
@@ -84,7 +90,8 @@ impl Job<'_> {
         check_target(&self.target)?;
         let mut record = Record::new("light");
         let poser = self.project.poser();
-        let shot = Shot::survey(self.project, self.knobs, self.env.as_deref(), run)?;
+        let mut shot = Shot::survey(self.project, self.knobs, self.env.as_deref(), run)?;
+        shot.files = self.tree_files(&shot, run)?;
         record.settings = self.settings(&shot);
         let recipe = |number| frame_recipe("light", self.settings(&shot), number);
         let mut frames = Frames::new(&self.target, &recipe);
@@ -106,7 +113,20 @@ impl Job<'_> {
             frames.write(number, &bytes, run)?;
         }
         frames.finish(self.project.options.fps, &mut record, run)?;
+        let mut written = shot.files.written.lock().unwrap_or_else(PoisonError::into_inner);
+        record.outputs.append(&mut written);
+        drop(written);
         Ok(record)
+    }
+
+    fn tree_files(&self, shot: &Shot, run: &Run) -> Result<TreeFiles> {
+        if self.bake.is_some() && self.project.frames().len() > 1 {
+            let why = "one frame; the tree of one frame may then serve a film with --tree";
+            return Err(Error::setting("--bake", "several frames", why));
+        }
+        let origin = baked::origin(self.project, self.knobs, shot.env_hash.as_deref());
+        let baked = self.tree.as_deref().map(|path| baked::open(path, &origin, run)).transpose()?;
+        Ok(TreeFiles { baked, bake: self.bake.clone(), origin, ..TreeFiles::default() })
     }
 
     fn backdrop(&self) -> Backdrop {
@@ -226,6 +246,8 @@ impl Job<'_> {
         s.insert("method".into(), self.method_word().into());
         s.insert("env_sha256".into(), json!(shot.env_hash));
         s.insert("backdrop".into(), json!(self.backdrop));
+        let baked = shot.files.baked.as_ref().map(|b| crate::write::sha256(b.origin.as_bytes()));
+        s.insert("baked_from".into(), json!(baked));
         s.insert("exposure_factor".into(), json!(shot.exposure));
         s.extend(knob_settings(self.knobs));
         s

@@ -4,6 +4,7 @@
 //!    lie, and the exposure, measured on a few small frames.
 //! 2. A frame at a time: rays, direct light, surfels, tree, gathers, and the file, written whole.
 
+mod baked;
 mod check;
 mod coded;
 mod job;

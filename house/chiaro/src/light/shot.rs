@@ -1,5 +1,6 @@
 //! What the frames of a lit shot share.
 
+use super::baked::TreeFiles;
 use crate::camera::Camera;
 use crate::disk;
 use crate::project::Project;
@@ -33,6 +34,7 @@ pub(crate) struct Shot<'a> {
     /// Surfels that are lit in full, and all of a coded tree.
     pub(crate) sites: Vec<Site>,
     pub(crate) spread: Spread,
+    pub(crate) files: TreeFiles,
     /// Display values over radiance.
     pub(crate) exposure: f32,
     source: Source,
@@ -77,8 +79,17 @@ impl<'a> Shot<'a> {
         let tracer = Tracer::new(&project.scene, &frames[0]);
         let source = Source::choose(project, sky, &tracer, &surfaces, &pose, run);
         drop(tracer);
-        let mut shot =
-            Self { project, camera, surfaces, sites, spread, exposure: 1.0, source, env_hash };
+        let mut shot = Self {
+            project,
+            camera,
+            surfaces,
+            sites,
+            spread,
+            files: TreeFiles::default(),
+            exposure: 1.0,
+            source,
+            env_hash,
+        };
         shot.exposure = shot.expose(&numbers, &frames, knobs, run)?;
         Ok(shot)
     }

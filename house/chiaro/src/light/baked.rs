@@ -1,0 +1,106 @@
+//! `--bake` and `--tree`: trees in files.
+//!
+//! A tree file is mapped, not read: pages come from the disk when a gather asks for them and go
+//! when memory is short, so that a tree may be larger than memory, and renders at the same time share one copy.
+//! It is opened once for a film; all of its bytes are checked then.
+
+use crate::disk::reason;
+use crate::project::Project;
+use crate::record::Output;
+use chiaro_basis::{Error, Result, Run};
+use chiaro_pbgi::compact::{Bytes, Compact};
+use chiaro_pbgi::packed::Packed;
+use chiaro_pbgi::{LightKnobs, file};
+use memmap2::Mmap;
+use serde_json::json;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+/// Where a shot's coded trees come from and go to.
+#[derive(Default)]
+pub(crate) struct TreeFiles {
+    /// A tree that was baked before.
+    pub(crate) baked: Option<Baked>,
+    /// Where a tree is to be baked.
+    pub(crate) bake: Option<PathBuf>,
+    /// What the tree is made from.
+    pub(crate) origin: String,
+    /// Files that were written.
+    pub(crate) written: Mutex<Vec<Output>>,
+}
+
+/// A tree from a file.
+pub(crate) struct Baked {
+    pub(crate) tree: Packed<Compact>,
+    /// What it was made from.
+    pub(crate) origin: String,
+}
+
+/// What a tree is made from, as its file says.
+pub(crate) fn origin(project: &Project, knobs: &LightKnobs, env_hash: Option<&str>) -> String {
+    json!({
+        "program": "chiaro", "input_sha256": project.hash, "surfels": knobs.surfels,
+        "bounces": knobs.bounces, "clusters": knobs.clusters, "sun": project.options.sun,
+        "env_sha256": env_hash,
+    })
+    .to_string()
+}
+
+/// Maps a tree file and checks it; a warning when it was made from another scene or other light.
+pub(crate) fn open(path: &Path, expected: &str, run: &Run) -> Result<Baked> {
+    let name = path.display().to_string();
+    let fail = |e: std::io::Error| Error::input(name.clone(), "", reason(&e));
+    let opened = File::open(path).map_err(fail)?;
+    if opened.metadata().map_err(fail)?.len() == 0 {
+        return Err(Error::input(name, "", "is empty; make one with chiaro light --bake"));
+    }
+    let bytes = mapped(&opened).map_err(fail)?;
+    let (tree, origin) = run.stage("load", 1, || file::open(bytes, &name))?;
+    if origin != expected {
+        run.warn(format!(
+            "{name} was baked from another scene, light or number of surfels or bounces; \
+             far light comes from there"
+        ));
+    }
+    Ok(Baked { tree, origin })
+}
+
+/// The bytes of a file where they lie.
+#[allow(unsafe_code)]
+fn mapped(file: &File) -> std::io::Result<Bytes> {
+    // SAFETY: the map is read only. Were the file changed while it is mapped, other numbers would
+    // be read; every number from it is clamped to what there is, and tree files are replaced by
+    // renaming, never rewritten. The safe twin, reading it all, needs the memory this is to spare.
+    let map = unsafe { Mmap::map(file)? };
+    Ok(Arc::new(map))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_tree_file_is_one_sentence() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.pbgi");
+        let told = || match open(&path, "", &Run::default()) {
+            Ok(_) => String::new(),
+            Err(e) => e.to_string(),
+        };
+        assert!(told().contains("a.pbgi"));
+        std::fs::write(&path, b"").unwrap();
+        assert!(told().contains("is empty"));
+        std::fs::write(&path, b"ink").unwrap();
+        assert!(told().contains("is no tree file"));
+    }
+
+    #[test]
+    fn a_mapped_file_has_the_bytes_of_one_that_was_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a");
+        std::fs::write(&path, b"some bytes").unwrap();
+        let bytes = mapped(&File::open(&path).unwrap()).unwrap();
+        assert_eq!((*bytes).as_ref(), std::fs::read(&path).unwrap());
+    }
+}
