@@ -124,10 +124,11 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1 to 4.12, 4.events, 4.lines, baselines, flicker, methods;
-        /// none means all but the last two.
+        /// Which: 2.3, 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1 to 4.12, 4.events, 4.lines, 4.textures,
+        /// 4.styles, 4.character, baselines, flicker, methods, strokes; none means all but the last three.
         names: Vec<String>,
-        /// A scene for baselines, flicker and methods, which lay ways side by side; may be repeated.
+        /// A scene for baselines, flicker, methods and strokes, which lay ways side by side; may be
+        /// repeated.
         #[arg(long = "scene", value_name = "SCENE")]
         scenes: Vec<String>,
         /// Folder for the sheets and index.html.
@@ -211,6 +212,9 @@ pub(crate) struct SceneArgs {
     /// Turn the default view once round over the shot.
     #[arg(long)]
     turntable: bool,
+    /// Leave out what the nodes of this name show; * stands for anything. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    without: Vec<String>,
     /// Which way is up: y, z, -y, or auto.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, default_value = "auto")]
     up: String,
@@ -472,6 +476,7 @@ impl SceneArgs {
             fov: self.fov,
             orbit: within("--orbit", f64::from(self.orbit), -36000.0, 36000.0)? as f32,
             turntable: self.turntable,
+            without: self.without.clone(),
             up: Up::parse(&self.up)?,
             frames: frames("--frames", &self.frames)?,
             shot: frames("--shot", &self.shot)?,

@@ -138,6 +138,7 @@ impl Camera {
         let mut put = |name: &str, value: Value| s.insert(name.into(), value);
         put("input", project.file_name().into());
         put("input_sha256", project.hash.clone().into());
+        put("without", json!(o.without));
         put("size", json!([self.size.0, self.size.1]));
         put("camera", self.note.clone().into());
         put(

@@ -69,7 +69,7 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
         Section {
             title: "Animated lines".into(),
             text: "Silhouettes and sharp edges, found on one surface for all frames and followed \
-                   through the film; in the film each line has a colour of its own, and keeps it."
+                   through the film, drawn with brushes whose marks go with the line."
                 .into(),
             pictures: lines,
         },
@@ -92,35 +92,95 @@ pub fn demo(folder: &Path, run: &Run) -> Result<Record> {
     Ok(record)
 }
 
-/// Line drawings: scene, whether suggestive contours are drawn, frames, file, caption.
-const LINES: [(&str, bool, u32, &str, &str); 3] = [
-    ("cactus", false, 1, "cactus-lines.png", "A cactus: silhouettes and creases."),
-    ("head", true, 1, "head-lines.png", "A head with suggestive contours."),
-    ("bumpy-torus", false, 24, "lines.apng", "A turning torus: one colour a line."),
+/// A line drawing of the demo.
+struct LineDrawing {
+    scene: &'static str,
+    style: &'static str,
+    sets: &'static [&'static str],
+    /// What is left out.
+    without: &'static [&'static str],
+    frames: u32,
+    file: &'static str,
+    caption: &'static str,
+}
+
+const LINES: [LineDrawing; 6] = [
+    LineDrawing {
+        scene: "cactus",
+        style: "cactus",
+        sets: &[],
+        without: &["spines"],
+        frames: 1,
+        file: "cactus-lines.png",
+        caption: "A cactus whose lines say what it is made of: thorns, hair, straw.",
+    },
+    LineDrawing {
+        scene: "head",
+        style: "pencil",
+        sets: &["suggestive=yes"],
+        without: &[],
+        frames: 1,
+        file: "head-lines.png",
+        caption: "A head in pencil, with suggestive contours.",
+    },
+    LineDrawing {
+        scene: "desk",
+        style: "comic",
+        sets: &[],
+        without: &[],
+        frames: 1,
+        file: "desk-comic.png",
+        caption: "Comic: lines over binary shading, near ones parting those behind.",
+    },
+    LineDrawing {
+        scene: "bowl",
+        style: "charcoal",
+        sets: &[],
+        without: &[],
+        frames: 1,
+        file: "bowl-lines.png",
+        caption: "A bowl of fruit in charcoal.",
+    },
+    LineDrawing {
+        scene: "multipod",
+        style: "brush",
+        sets: &[],
+        without: &[],
+        frames: 24,
+        file: "strokes.apng",
+        caption: "A walk by brush: what varies along a stroke goes with it.",
+    },
+    LineDrawing {
+        scene: "bumpy-torus",
+        style: "pen",
+        sets: &["colour=id"],
+        without: &[],
+        frames: 24,
+        file: "lines.apng",
+        caption: "A turning torus: one colour a line.",
+    },
 ];
 
 /// Draws the line drawings: files with their captions.
 fn line_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(String, String)>> {
     let mut pictures = Vec::new();
-    for (scene, suggestive, count, file, caption) in LINES {
-        let film = count > 1;
+    for drawing in &LINES {
+        let count = drawing.frames;
         let options = Options {
-            size: film.then_some((480, 360)),
+            size: (count > 1).then_some((480, 360)),
             frames: Some((1..=count).collect()),
             fps: 12.0,
+            without: drawing.without.iter().map(|w| (*w).to_owned()).collect(),
             ..Options::default()
         };
-        let project = Project::open(&format!("demo:{scene}"), options, run)?;
-        let style = Style::of_lines("pen")?;
+        let project = Project::open(&format!("demo:{}", drawing.scene), options, run)?;
+        let style = Style::of_lines(drawing.style)?;
         let mut look = lines::Look::of(&style)?;
-        look.lines.knobs.suggestive = suggestive;
-        if film {
-            look.set("colour=id")?;
-        }
-        let target = Target::parse(&folder.join(file), count as usize)?;
+        drawing.sets.iter().try_for_each(|set| look.set(set))?;
+        let target = Target::parse(&folder.join(drawing.file), count as usize)?;
         let job = lines::Job { project: &project, look, target, measure: false, check: false };
         record.outputs.extend(job.run(run)?.outputs);
-        pictures.push((file.to_owned(), caption.to_owned()));
+        pictures.push((drawing.file.to_owned(), drawing.caption.to_owned()));
     }
     Ok(pictures)
 }

@@ -25,6 +25,7 @@ pub mod mincut;
 pub mod number;
 pub mod page;
 pub mod painting;
+mod pattern;
 pub mod project;
 pub mod record;
 pub mod style;

@@ -2,6 +2,7 @@
 
 use crate::disk::{self, Folder};
 use crate::number;
+use crate::pattern::matches;
 use chiaro_basis::{Error, Result, Run, nearest};
 use chiaro_scene::load::{self, Budget, Door, Up};
 use chiaro_scene::{Choice, Frame, Playback, Poser, Scene, demo};
@@ -27,6 +28,8 @@ pub struct Options {
     pub orbit: f32,
     /// Turns the default view once round over the shot.
     pub turntable: bool,
+    /// Names of nodes whose meshes are left out; `*` stands for anything.
+    pub without: Vec<String>,
     /// Which way is up.
     pub up: Up,
     /// Frames to write; `None`: see [`Options::time`].
@@ -57,6 +60,7 @@ impl Default for Options {
             fov: None,
             orbit: 0.0,
             turntable: false,
+            without: Vec::new(),
             up: Up::Auto,
             frames: None,
             shot: None,
@@ -89,7 +93,8 @@ pub struct Project {
 impl Project {
     /// Opens the scene called `name`: a path, or `demo:` and the name of a procedural one.
     pub fn open(name: &str, options: Options, run: &Run) -> Result<Self> {
-        let (scene, hash) = run.stage("load", 1, || open_scene(name, options.up))?;
+        let (mut scene, hash) = run.stage("load", 1, || open_scene(name, options.up))?;
+        options.without.iter().try_for_each(|pattern| leave_out(&mut scene, pattern))?;
         if options.strict && !scene.stored.missing_files.is_empty() {
             let why = format!(
                 "missing {}; put them beside the scene, or leave out --strict",
@@ -162,6 +167,24 @@ impl Project {
         *self.hierarchy.lock().unwrap_or_else(PoisonError::into_inner) = Some(hierarchy.clone());
         Tracer::with(&self.scene, frame, hierarchy)
     }
+}
+
+/// Takes the meshes off nodes that a pattern names.
+fn leave_out(scene: &mut Scene, pattern: &str) -> Result<()> {
+    let mut found = false;
+    for node in scene.nodes.iter_mut().filter(|n| matches(pattern, &n.name)) {
+        found |= node.mesh.take().is_some();
+    }
+    let shown = || scene.nodes.iter().filter(|n| n.mesh.is_some()).map(|n| n.name.as_str());
+    if found && shown().next().is_some() {
+        return Ok(());
+    }
+    let hint = nearest(pattern, shown()).map(|n| format!("; did you mean {n}?"));
+    let range = match found {
+        true => "names that leave something to be drawn".into(),
+        false => format!("the name of a node that shows something{}", hint.unwrap_or_default()),
+    };
+    Err(Error::setting("--without", pattern, range))
 }
 
 /// The scene and the hash of its file.

@@ -38,7 +38,7 @@ struct Parts {
 }
 
 /// The styles that ship with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 23] = [
+pub const BUILT_IN: [(&str, &str); 24] = [
     ("ink", include_str!("../styles/ink.toml")),
     ("brush", include_str!("../styles/brush.toml")),
     ("etched", include_str!("../styles/etched.toml")),
@@ -61,6 +61,7 @@ pub const BUILT_IN: [(&str, &str); 23] = [
     ("thorns", include_str!("../styles/thorns.toml")),
     ("fur", include_str!("../styles/fur.toml")),
     ("double", include_str!("../styles/double.toml")),
+    ("cactus", include_str!("../styles/cactus.toml")),
     ("comic", include_str!("../styles/comic.toml")),
 ];
 

@@ -65,11 +65,7 @@ pub fn draw(
     recipe: &str,
 ) -> Result<(String, Travel)> {
     let place = print.sheet.place(plate.labels.size())?;
-    let regions = Regions::trace(plate, knobs, &place);
-    let (layers, travel) = match print.pen {
-        None => fill(plate, &regions, &place),
-        Some(pen) => Plotter { plate, knobs, place: &place, pen }.layers(&regions),
-    };
+    let (layers, travel) = layers(plate, knobs, print.pen, &place);
     let background = plate.scheme.background;
     let drawing = Drawing {
         page: place.page,
@@ -79,6 +75,20 @@ pub fn draw(
         layers,
     };
     Ok((drawing.to_svg(), travel))
+}
+
+/// The layers of a plate on a page: fills and strokes, or a plotter's strokes alone.
+pub(crate) fn layers(
+    plate: &Plate<'_>,
+    knobs: &BinaryKnobs,
+    pen: Option<f64>,
+    place: &Placement,
+) -> (Vec<Layer>, Travel) {
+    let regions = Regions::trace(plate, knobs, place);
+    match pen {
+        None => fill(plate, &regions, place),
+        Some(pen) => Plotter { plate, knobs, place, pen }.layers(&regions),
+    }
 }
 
 /// The outlines of each label's regions, on the page.

@@ -9,7 +9,7 @@ use super::texture::Texture;
 pub(super) struct Place {
     /// Pixels along.
     pub(super) u: f64,
-    /// Pixels from the ribbon's start, and of the whole.
+    /// Pixels from the ribbon's start, by its share of u, and of the whole.
     pub(super) length: [f32; 2],
     /// Pixels across, left negative.
     pub(super) across: f32,
@@ -92,7 +92,7 @@ impl Inking<'_> {
         let v = 0.5 + 0.5 * place.across / place.half.max(1e-3);
         let natural = b.width * texture.aspect();
         let x = match b.grain {
-            Grain::Stretch => stretched(place.length, b.texture_cap, natural),
+            Grain::Stretch => stretched(place.length, b.picture_cap, natural),
             _ => {
                 let lattice = axis.lattice(f64::from(natural));
                 (place.u / lattice.cell).rem_euclid(1.0) as f32

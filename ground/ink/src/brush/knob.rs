@@ -101,8 +101,8 @@ knobs! {
         grain_strength: f32 = 0.7, Number { min: 0.0, max: 1.0 }, "", "", "how much of the ink is missing where it misses most";
         rough: f32 = 0.0, Number { min: 0.0, max: 50.0 }, "", "px", "by which edges are torn";
         rough_length: f32 = 3.0, Number { min: 0.3, max: 500.0 }, "", "px", "length of a tear";
-        texture: String = String::new(), Text, "", "", "PNG of a stroke from left to right, for the grains stretch and repeat";
-        texture_cap: f32 = 0.15, Number { min: 0.0, max: 0.5 }, "", "", "share of the picture that is an end";
+        picture: String = String::new(), Text, "", "", "PNG of a stroke from left to right, for the grains stretch and repeat";
+        picture_cap: f32 = 0.15, Number { min: 0.0, max: 0.5 }, "", "", "share of the picture that is an end";
 
         spacing: f32 = 12.0, Number { min: 0.5, max: 2000.0 }, "a (4.4)", "px", "from mark to mark along u: dashes, dots, thorns, hairs";
         dash: f32 = 0.6, Number { min: 0.02, max: 1.0 }, "", "", "share of the spacing that a dash fills";

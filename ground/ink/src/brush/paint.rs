@@ -72,13 +72,16 @@ struct Strip {
     erases: bool,
     axis: Axis,
     length: f32,
+    /// u at both ends.
+    ends: [f64; 2],
 }
 
 impl<'a> Ready<'a> {
     fn of(stroke: &'a Stroke<'a>) -> Self {
         let strip = |r: &super::ribbon::Ribbon| {
             let length = r.ribs.windows(2).map(|w| w[0].at.distance(w[1].at)).sum();
-            Strip { pieces: pieces(r), erases: r.erases, axis: r.axis, length }
+            let ends = [r.ribs.first(), r.ribs.last()].map(|r| r.map_or(0.0, |r| r.u));
+            Strip { pieces: pieces(r), erases: r.erases, axis: r.axis, length, ends }
         };
         let strips = ribbons(stroke.brush, stroke.spine).iter().map(strip).collect();
         let reach = [stroke.brush.halo, stroke.brush.rim];
@@ -218,7 +221,7 @@ impl Tile {
             let tear = if torn { inking.tear(&strip.axis, hit.u, hit.across > 0.0) } else { 0.0 };
             let mut cover = hit.cover(tear.max(-0.8 * hit.half));
             if cover > self.cover[i] && !even {
-                cover *= inking.ink(&strip.axis, &place(&hit, strip.length));
+                cover *= inking.ink(&strip.axis, &place(&hit, strip));
             }
             if cover > self.cover[i] {
                 (self.cover[i], self.depth[i]) = (cover, hit.depth);
@@ -242,8 +245,11 @@ impl Tile {
     }
 }
 
-fn place(hit: &Hit, length: f32) -> Place {
-    Place { u: hit.u, length: [hit.along, length], across: hit.across, half: hit.half }
+fn place(hit: &Hit, strip: &Strip) -> Place {
+    let [start, end] = strip.ends;
+    let share = if end > start { ((hit.u - start) / (end - start)) as f32 } else { 0.0 };
+    let length = [share * strip.length, strip.length];
+    Place { u: hit.u, length, across: hit.across, half: hit.half }
 }
 
 /// A share of a colour over a pixel, mixed as displayed.

@@ -20,8 +20,6 @@ pub(super) struct Piece {
     /// Normals of the lines that bound it, both along it.
     bounds: [Vec2; 2],
     caps: [End; 2],
-    /// Pixels from the ribbon's start.
-    pub(super) from: f32,
     /// Of a pixel of distance from a slanting border.
     slant: f32,
 }
@@ -48,8 +46,6 @@ pub(super) struct Hit {
     pub(super) u: f64,
     /// Depth there.
     pub(super) depth: f32,
-    /// Pixels from the ribbon's start.
-    pub(super) along: f32,
     /// What a flat end leaves of it.
     pub(super) end: f32,
     slant: f32,
@@ -71,18 +67,11 @@ pub(super) fn pieces(ribbon: &Ribbon) -> Vec<Piece> {
     let end = if ribbon.round { End::Round } else { End::Flat };
     match ribs.as_slice() {
         [] => return Vec::new(),
-        [one] => return vec![piece([*one, *one], 0.0, End::Round)],
+        [one] => return vec![piece([*one, *one], End::Round)],
         _ => {}
     }
-    let mut from = 0.0;
-    let mut pieces: Vec<Piece> = ribs
-        .windows(2)
-        .map(|w| {
-            let piece = piece([w[0], w[1]], from, End::Joined);
-            from += piece.length;
-            piece
-        })
-        .collect();
+    let mut pieces: Vec<Piece> =
+        ribs.windows(2).map(|w| piece([w[0], w[1]], End::Joined)).collect();
     let n = pieces.len();
     for i in 1..n {
         let (before, after) = pieces.split_at_mut(i);
@@ -105,13 +94,13 @@ fn distinct(ribs: &[Rib]) -> Vec<Rib> {
     kept
 }
 
-fn piece(ends: [Rib; 2], from: f32, cap: End) -> Piece {
+fn piece(ends: [Rib; 2], cap: End) -> Piece {
     let across = ends[1].at - ends[0].at;
     let length = across.length();
     let along = across.try_normalize().unwrap_or(Vec2::X);
     let slope = if length > 0.0 { (ends[1].half - ends[0].half) / length } else { 0.0 };
     let slant = 1.0 / (1.0 + slope * slope).sqrt();
-    Piece { ends, along, length, bounds: [along; 2], caps: [cap; 2], from, slant }
+    Piece { ends, along, length, bounds: [along; 2], caps: [cap; 2], slant }
 }
 
 fn join(a: &mut Piece, b: &mut Piece) {
@@ -161,7 +150,6 @@ impl Piece {
             half,
             u: a.u + (b.u - a.u) * f64::from(t),
             depth: a.depth + (b.depth - a.depth) * t,
-            along: self.from + self.length * t,
             end,
             slant: self.slant,
         })

@@ -28,7 +28,7 @@ use std::path::PathBuf;
 
 pub use picture::Picture;
 pub(crate) use picture::draw;
-pub(crate) use plates::{Encoding, Plates};
+pub(crate) use plates::{Encoding, Plates, plate};
 pub use shot::Shot;
 pub(crate) use shot::{SURVEY_HEIGHT, exposure_settings};
 

@@ -1,11 +1,13 @@
 //! A finished picture as the bytes of a file: PNG, PBM, TIFF or SVG.
 
 use super::{Look, Picture};
+use crate::colours::Colours;
 use crate::film::Target;
 use crate::vector::{self, Plate};
 use chiaro_basis::{Error, Result};
 use chiaro_binary::one_bit;
 use chiaro_image::{Plane, codec};
+use chiaro_ink::Colour;
 use serde_json::{Map, Value, json};
 
 /// How a frame becomes bytes.
@@ -81,17 +83,26 @@ impl Plates<'_> {
     fn svg(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
         let colours = &self.look.colours;
         let two = [colours.ink, colours.paper];
-        let plate = Plate {
-            labels: &picture.labels,
-            covered: &picture.covered,
-            colours: if picture.palette.is_empty() { &two } else { &picture.palette },
-            lines: &picture.lines,
-            scheme: colours,
-        };
+        let plate = plate(picture, &two, colours);
         let (svg, travel) =
             vector::draw(&plate, self.look.knobs, &self.look.print, self.title, self.recipe)?;
         counts.insert("pen_down_mm".into(), json!(travel.down));
         counts.insert("pen_up_mm".into(), json!(travel.up));
         Ok(svg.into_bytes())
+    }
+}
+
+/// A picture as vectors want it; `two` are ink and paper, where it has no palette of its own.
+pub(crate) fn plate<'a>(
+    picture: &'a Picture,
+    two: &'a [Colour; 2],
+    scheme: &'a Colours,
+) -> Plate<'a> {
+    Plate {
+        labels: &picture.labels,
+        covered: &picture.covered,
+        colours: if picture.palette.is_empty() { two } else { &picture.palette },
+        lines: &picture.lines,
+        scheme,
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Each figure is rows of cells; all cells of a row share one view of a scene and differ in knobs.
 
+mod brushes;
 mod chapter3;
 mod chapter4;
 mod comparisons;
@@ -35,7 +36,7 @@ struct Figure {
 fn all() -> impl Iterator<Item = &'static Figure> {
     let chapter3 = chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES);
     let chapter4 = chapter4::FIGURES.iter().chain(&swept::FIGURES).chain(&strokes::FIGURES);
-    chapter3.chain(chapter4)
+    chapter3.chain(chapter4).chain(&brushes::FIGURES)
 }
 
 /// The figures that take scenes: every baseline beside ours, and the flicker of films.
@@ -43,11 +44,14 @@ const BASELINES: &str = "baselines";
 const FLICKER: &str = "flicker";
 /// All ways to parameterize lines.
 const METHODS: &str = "methods";
-const TAKING: [&str; 3] = [BASELINES, FLICKER, METHODS];
+/// Films of strokes in several styles at once.
+const STROKES: &str = "strokes";
+const TAKING: [&str; 4] = [BASELINES, FLICKER, METHODS, STROKES];
 
 /// Scenes that those are drawn on when none is named.
 const BASELINE_SCENES: [&str; 3] = ["demo:head", "demo:bumpy-torus", "demo:rocks"];
 const FLICKER_SCENES: [&str; 2] = ["demo:head", "demo:bumpy-torus"];
+const STROKE_SCENES: [&str; 3] = ["demo:bumpy-torus", "demo:multipod", "demo:cactus"];
 
 /// Makes the figures called `names`, or all of the thesis's and the baselines, in `folder`, with a
 /// page that shows them. `scenes` are those of the figures that take some.
@@ -82,6 +86,9 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     }
     if named(METHODS) {
         sections.push(methods(scenes, folder, &mut record, run)?);
+    }
+    if named(STROKES) {
+        sections.push(stroke_films(scenes, folder, &mut record, run)?);
     }
     let intro = "Figures of chapters 3 and 4 of Buchholz (2012), remade.";
     let html = page::html("Figures", intro, &sections);
@@ -156,6 +163,28 @@ fn methods(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> 
     })
 }
 
+/// Films of strokes, one a scene.
+fn stroke_films(
+    scenes: &[String],
+    folder: &Path,
+    record: &mut Record,
+    run: &Run,
+) -> Result<Section> {
+    let mut pictures = Vec::new();
+    for film in brushes::films(&some_or(scenes, &STROKE_SCENES), run)? {
+        record.outputs.push(write::whole(&folder.join(&film.file), &film.bytes)?);
+        pictures.push((film.file, film.caption));
+    }
+    Ok(Section {
+        title: "Films of strokes".into(),
+        text:
+            "The same frames in six styles at once, then dashes by the four ways to parameterize \
+               lines: where u follows the surface, so do dashes, thorns, grain and pressure."
+                .into(),
+        pictures,
+    })
+}
+
 fn chosen(names: &[&String]) -> Result<Vec<&'static Figure>> {
     let find = |name: &&String| {
         all().find(|f| f.name == name.as_str()).ok_or_else(|| {
@@ -185,6 +214,7 @@ pub fn style_sheet(path: &Path, run: &Run) -> Result<Record> {
             sheet.add(plate.ink(&style.binary, run)?, format!("{}: {scene}", style.name));
         }
     }
+    brushes::thumbnails(&mut sheet, &STYLE_SCENES, run)?;
     record.outputs.push(write_sheet(path, &sheet, run)?);
     Ok(record)
 }

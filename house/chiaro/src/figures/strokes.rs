@@ -1,4 +1,4 @@
-//! Figures 4.6 to 4.12: textures on lines through time, drawn plainly as dashes at whole multiples of u.
+//! Figures 4.6 to 4.9: textures on lines through time, drawn plainly as dashes at whole multiples of u.
 
 use super::Figure;
 use super::chapter4::{BLACK, Canvas, GREY, RED, shot};
@@ -12,7 +12,7 @@ use chiaro_lines::{Cuts, FilmFrame, LinesKnobs, Method, Stroke, Texture, quality
 
 const SIZE: (usize, usize) = (440, 330);
 
-pub(super) const FIGURES: [Figure; 7] = [
+pub(super) const FIGURES: [Figure; 4] = [
     Figure {
         name: "4.6",
         title: "two kinds of texture",
@@ -44,27 +44,6 @@ pub(super) const FIGURES: [Figure; 7] = [
         message: "Every fourth frame of three films, dashes at whole multiples of u.",
         columns: 6,
         draw: solids,
-    },
-    Figure {
-        name: "4.10",
-        title: "desk",
-        message: "Four frames.",
-        columns: 2,
-        draw: |sheet, run| scene(sheet, "desk", run),
-    },
-    Figure {
-        name: "4.11",
-        title: "bowl",
-        message: "Four frames.",
-        columns: 2,
-        draw: |sheet, run| scene(sheet, "bowl", run),
-    },
-    Figure {
-        name: "4.12",
-        title: "cactus",
-        message: "Four frames.",
-        columns: 2,
-        draw: |sheet, run| scene(sheet, "cactus", run),
     },
 ];
 
@@ -226,18 +205,6 @@ fn solids(sheet: &mut Sheet, run: &Run) -> Result<()> {
             };
             sheet.add(dashed(frame, (360, 300)).done(), caption);
         }
-    }
-    Ok(())
-}
-
-fn scene(sheet: &mut Sheet, name: &str, run: &Run) -> Result<()> {
-    let size = (640, 480);
-    let knobs = LinesKnobs { pattern_length: 14.0, ..LinesKnobs::default() };
-    let shot = shot(name, 13, size, &knobs, run)?;
-    let ours = quality(&shot.film);
-    for (i, frame) in shot.film.frames.iter().enumerate().step_by(4) {
-        let caption = format!("{name}, frame {}: slide {:.2} px (95 %)", i + 1, ours.slide_p95);
-        sheet.add(dashed(frame, size).done(), caption);
     }
     Ok(())
 }

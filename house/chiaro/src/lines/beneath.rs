@@ -6,10 +6,12 @@ use crate::disk;
 use crate::film::Target;
 use crate::project::Project;
 use crate::style::Style;
+use crate::vector::{Print, layers};
 use chiaro_basis::{Error, Result, Run};
 use chiaro_binary::BinaryKnobs;
 use chiaro_image::Plane;
 use chiaro_image::codec::{self, Limits};
+use chiaro_ink::Layer;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
@@ -67,13 +69,18 @@ impl Over {
 /// A picture, sRGB-encoded, opacity apart.
 pub(crate) type Plate = Plane<[f32; 4]>;
 
-/// A picture under lines.
+/// What lies under the lines of a frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Beneath(pub(crate) Plate);
+pub(crate) enum Beneath {
+    /// Pixels.
+    Pixels(Plate),
+    /// Layers of a drawing.
+    Layers(Vec<Layer>),
+}
 
 impl Beneath {
     pub(crate) fn of(picture: &Plane<[u8; 4]>) -> Self {
-        Self(picture.map(|p| p.map(|v| f32::from(v) / 255.0)))
+        Self::Pixels(picture.map(|p| p.map(|v| f32::from(v) / 255.0)))
     }
 }
 
@@ -81,18 +88,20 @@ impl Beneath {
 pub(super) struct Regions<'a> {
     look: binary::Look<'a>,
     shot: binary::Shot<'a>,
+    vectors: bool,
 }
 
 impl<'a> Regions<'a> {
-    /// Surveys the shot.
+    /// Surveys the shot; `vectors` says whether regions are wanted as outlines.
     pub(super) fn survey(
         project: &'a Project,
         (style, knobs): (&'a Style, &'a BinaryKnobs),
-        colours: Colours,
+        (colours, print): (Colours, Print),
+        vectors: bool,
         run: &Run,
     ) -> Result<Self> {
-        let look = binary::Look { style, knobs, colours, ..binary::Look::of(style) };
-        Ok(Self { look, shot: binary::Shot::survey(project, knobs, run)? })
+        let look = binary::Look { style, knobs, colours, print, painting: None };
+        Ok(Self { look, shot: binary::Shot::survey(project, knobs, run)?, vectors })
     }
 
     /// What decides the regions, for recipes.
@@ -110,10 +119,20 @@ impl<'a> Regions<'a> {
         run: &Run,
     ) -> Result<Map<String, Value>> {
         let colours = &self.look.colours;
-        let mut hand_over = |number: u32, picture: binary::Picture| {
-            deliver(number, Beneath::of(&picture.coloured(colours)))
-        };
+        let mut hand_over =
+            |number: u32, picture: binary::Picture| deliver(number, self.beneath(&picture)?);
         binary::shoot(&self.shot, colours, numbers, &mut hand_over, run)
+    }
+
+    fn beneath(&self, picture: &binary::Picture) -> Result<Beneath> {
+        let (colours, print) = (&self.look.colours, &self.look.print);
+        if !self.vectors {
+            return Ok(Beneath::of(&picture.coloured(colours)));
+        }
+        let two = [colours.ink, colours.paper];
+        let place = print.sheet.place(picture.covered.size())?;
+        let plate = binary::plate(picture, &two, colours);
+        Ok(Beneath::Layers(layers(&plate, self.look.knobs, print.pen, &place).0))
     }
 }
 

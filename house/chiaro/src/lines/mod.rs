@@ -219,15 +219,16 @@ impl Job<'_> {
 
     /// The binary shading beneath, where there is some and the file shows it.
     fn regions(&self, encoding: Encoding, run: &Run) -> Result<Option<Regions<'_>>> {
-        match (&self.look.over, encoding) {
-            (Over::Nothing, _) => Ok(None),
-            (Over::Binary, Encoding::Png) => {
-                let how = (self.look.style, &self.look.binary);
-                Regions::survey(self.project, how, self.look.colours, run).map(Some)
+        let look = &self.look;
+        match (&look.over, encoding) {
+            (Over::Nothing, _) | (_, Encoding::Json) => Ok(None),
+            (Over::Binary, _) => {
+                let (how, on) = ((look.style, &look.binary), (look.colours, look.print));
+                Regions::survey(self.project, how, on, encoding == Encoding::Svg, run).map(Some)
             }
             (Over::Pictures(_), Encoding::Png) => Ok(None),
-            (Over::Binary | Over::Pictures(_), _) => {
-                run.warn("vectors hold the lines alone: what they are drawn over is left out");
+            (Over::Pictures(_), Encoding::Svg) => {
+                run.warn("SVG holds the lines alone: the pictures beneath are left out");
                 Ok(None)
             }
         }
@@ -289,7 +290,13 @@ impl Writing<'_> {
         let recipe = (self.recipe)(number);
         let bytes = run.stage("draw", page.len() as u64, || match self.encoding {
             Encoding::Json => Ok(document::document(self.shot, page, look).into_bytes()),
-            Encoding::Svg => svg::svg(self.shot, number, self.job, recipe).map(String::into_bytes),
+            Encoding::Svg => {
+                let layers = match beneath {
+                    Some(Beneath::Layers(layers)) => layers,
+                    _ => Vec::new(),
+                };
+                svg::svg((self.shot, number), self.job, layers, recipe).map(String::into_bytes)
+            }
             Encoding::Png => codec::write_png_rgba(&draw(beneath), Some(&recipe)),
         })?;
         frames.write(number, &bytes, run)

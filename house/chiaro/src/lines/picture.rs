@@ -20,7 +20,10 @@ pub(crate) fn picture(
     beneath: Option<Beneath>,
 ) -> Plane<[u8; 4]> {
     let (w, h) = shot.camera.size;
-    let beneath = beneath.map_or_else(|| Plane::filled(w, h, colours.background), |b| b.0);
+    let beneath = match beneath {
+        Some(Beneath::Pixels(pixels)) => pixels,
+        _ => Plane::filled(w, h, colours.background),
+    };
     let drawn = ready(shot, frame(shot, number), style, colours);
     let strokes: Vec<Inked<'_>> = drawn.iter().map(|d: &Drawn<'_>| d.inked(style)).collect();
     paint(&strokes, &beneath, colours.paper).map(|p| p.map(to_byte))

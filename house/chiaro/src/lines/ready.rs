@@ -5,7 +5,7 @@ use super::picture::id_colour;
 use super::style::{LineStyle, Subject};
 use crate::colours::Colours;
 use chiaro_ink::brush::{Axis, Brush, Knot, Spine, Stroke as Inked};
-use chiaro_lines::{FilmFrame, Kind, Owner, Stroke, View};
+use chiaro_lines::{FilmFrame, Kind, LinesKnobs, Owner, Stroke, Texture, View};
 use chiaro_scene::Projection;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ pub(crate) fn ready<'a>(
             .entry(key)
             .or_insert_with(|| Arc::new(style.brush_for(&subject(stroke, &shot.names))));
         let colour = colour(brush, stroke, &shot.names, colours);
-        let spine = spine(stroke, &frame.view);
+        let spine = spine(stroke, &frame.view, &style.knobs);
         drawn.push(Drawn { stroke, spine, brush: Arc::clone(brush), colour });
     }
     let place = |kind: Kind| Kind::ALL.iter().position(|k| *k == kind);
@@ -97,9 +97,19 @@ fn colour(brush: &Brush, stroke: &Stroke, names: &Names, colours: &Colours) -> [
     }
 }
 
+/// Pixels for a unit of u, by which marks are spaced. Where patterns grow with the zoom, they are
+/// redrawn at twice or half their size before they are half as large again.
+fn scale(stroke: &Stroke, knobs: &LinesKnobs) -> f64 {
+    let pattern = f64::from(knobs.pattern_length);
+    match knobs.octaves && knobs.texture == Texture::Periodic {
+        true => pattern * (stroke.pixels_per_u / pattern).max(1e-9).log2().round().exp2(),
+        false => stroke.pixels_per_u,
+    }
+}
+
 /// A stroke's middle, u in pixels, with depths in pixels of their distance.
-fn spine(stroke: &Stroke, view: &View) -> Spine {
-    let scale = stroke.pixels_per_u;
+fn spine(stroke: &Stroke, view: &View, knobs: &LinesKnobs) -> Spine {
+    let scale = scale(stroke, knobs);
     let depth = |depth: f64| match view.pose.projection {
         Projection::Perspective { .. } => {
             let focal = depth / view.pixel(depth).max(1e-12);

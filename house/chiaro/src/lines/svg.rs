@@ -24,7 +24,13 @@ const TOLERANCE: f64 = 0.02;
 /// Turns that stay corners, radians.
 const CORNER: f64 = 0.7;
 
-pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Result<String> {
+/// A frame's strokes, over the layers of what is beneath.
+pub(super) fn svg(
+    (shot, number): (&Shot, u32),
+    job: &Job<'_>,
+    beneath: Vec<Layer>,
+    recipe: String,
+) -> Result<String> {
     let placement = job.look.print.sheet.place(shot.camera.size)?;
     let colours = &job.look.colours;
     let background = colours.background;
@@ -33,7 +39,7 @@ pub(super) fn svg(shot: &Shot, number: u32, job: &Job<'_>, recipe: String) -> Re
         title: format!("{}, frame {number}", job.project.file_name()),
         recipe: Some(recipe),
         background: (background[3] > 0.0 && background != [1.0; 4]).then_some(background),
-        layers: Vec::new(),
+        layers: beneath,
     };
     let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
     let mut pen = Pen { job, placement: &placement, parts: BTreeMap::new() };
