@@ -250,6 +250,9 @@ pub(super) struct SideBySide {
     pub(super) bytes: Vec<u8>,
 }
 
+/// A style, and knobs set on top.
+type Way<'a> = (&'a str, Vec<&'a str>);
+
 /// Films of strokes: the same frames in several styles at once, and by all methods at once.
 pub(super) fn films(scenes: &[String], run: &Run) -> Result<Vec<SideBySide>> {
     let frames: Vec<u32> = (1..=24).collect();
@@ -259,7 +262,7 @@ pub(super) fn films(scenes: &[String], run: &Run) -> Result<Vec<SideBySide>> {
         let short = scene.project.file_name().replace("demo:", "");
         let stem = short.split('.').next().unwrap_or("film");
         let methods: Vec<String> = Method::WORDS.iter().map(|m| format!("method={m}")).collect();
-        let ways: [(&str, Vec<(&str, Vec<&str>)>); 2] = [
+        let ways: [(&str, Vec<Way<'_>>); 2] = [
             ("styles", FILM_STYLES.map(|style| (style, Vec::new())).to_vec()),
             ("methods", methods.iter().map(|m| ("dashes", vec![m.as_str(), "width=4"])).collect()),
         ];
