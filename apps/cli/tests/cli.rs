@@ -340,3 +340,59 @@ fn a_film_that_was_killed_goes_on_to_the_bytes_of_an_unbroken_one() {
         assert_eq!(bytes("whole").unwrap(), bytes("killed").unwrap(), "frame {frame}");
     }
 }
+
+#[test]
+fn lines_over_regions_resume_and_strokes_say_what_they_are() {
+    let dir = tempfile::tempdir().unwrap();
+    let film = dir.path().join("####.png");
+    let film = film.to_str().unwrap();
+    let args = ["lines", "demo:peanut", "--style", "comic", "--size", "120x90", "--frames", "1-3"];
+    let run = |extra: &[&str]| {
+        let output = chiaro(dir.path(), &[&args[..], &["-q", "-o", film], extra].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    run(&[]);
+    let bytes = |n: u32| std::fs::read(dir.path().join(format!("{n:04}.png"))).unwrap();
+    let whole = [bytes(1), bytes(2), bytes(3)];
+    std::fs::remove_file(dir.path().join("0002.png")).unwrap();
+    run(&["--threads", "1"]);
+    assert_eq!(whole, [bytes(1), bytes(2), bytes(3)]);
+    run(&["--set", "width=9"]);
+    assert!(whole[0] != bytes(1), "a knob of the brush changes the picture");
+
+    let svg = dir.path().join("a.svg");
+    let said = chiaro(
+        dir.path(),
+        &["lines", "demo:peanut", "--style", "thorns", "-q", "-o", svg.to_str().unwrap()],
+    );
+    assert!(said.status.success());
+    let text = std::fs::read_to_string(&svg).unwrap();
+    for part in ["data-u0=\"", "data-pixels-per-u=\"", "data-mark=\"thorns\"", "id=\"silhouette-"] {
+        assert!(text.contains(part), "no {part}");
+    }
+    let pen = chiaro(
+        dir.path(),
+        &["lines", "demo:peanut", "--pen", "0.4mm", "-q", "-o", svg.to_str().unwrap()],
+    );
+    assert!(pen.status.success());
+    let text = std::fs::read_to_string(&svg).unwrap();
+    assert!(text.contains("stroke-width=\"0.4\"") && !text.contains(" fill=\"#"));
+}
+
+#[test]
+fn styles_are_for_lines_or_for_regions() {
+    let dir = tempfile::tempdir().unwrap();
+    let no = |args: &[&str], hint: &str| {
+        let output = chiaro(dir.path(), args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains(hint), "{args:?}: {said}");
+    };
+    no(&["lines", "demo:peanut", "-o", "x.png", "--style", "woodcut"], "chiaro binary");
+    no(&["binary", "demo:peanut", "-o", "x.png", "--style", "fur"], "chiaro lines");
+    no(&["lines", "demo:peanut", "-o", "x.png", "--style", "fuzz"], "one of");
+    no(&["lines", "demo:peanut", "-o", "x.png", "--set", "widht=3"], "did you mean width?");
+    no(&["lines", "demo:peanut", "-o", "x.png", "--over", "there"], "nothing, binary");
+    no(&["lines", "demo:peanut", "-o", "x.png", "--over", "no.png"], "no.png");
+    no(&["lines", "demo:cactus", "-o", "x.png", "--without", "spine"], "did you mean spines?");
+}

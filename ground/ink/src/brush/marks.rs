@@ -40,6 +40,23 @@ pub(super) fn band(brush: &Brush, spine: &Spine) -> Ribbon {
     Ribbon { round: false, ..placing.line(|h| h + apart) }
 }
 
+/// The band of paper beside a stroke that hides others: on both sides, or on its right alone.
+pub fn rim(brush: &Brush, spine: &Spine, right: bool) -> Option<Ribbon> {
+    let mut band = band(brush, spine);
+    if brush.rim <= 0.0 || band.ribs.len() < 2 {
+        return None;
+    }
+    let tangents = band.tangents();
+    for (rib, tangent) in band.ribs.iter_mut().zip(tangents) {
+        rib.half += brush.rim;
+        if right {
+            rib.half *= 0.5;
+            rib.at += rib.half * tangent.perp();
+        }
+    }
+    Some(band)
+}
+
 /// A brush on its way along a spine.
 struct Placing<'a> {
     brush: &'a Brush,

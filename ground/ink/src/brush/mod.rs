@@ -25,7 +25,7 @@ mod texture;
 mod width;
 
 pub use knob::{Brush, Cap, Grain, Mark, Side};
-pub use marks::ribbons;
+pub use marks::{ribbons, rim};
 pub use noise::Axis;
 pub use paint::{Stroke, paint};
 pub use ribbon::{Rib, Ribbon};

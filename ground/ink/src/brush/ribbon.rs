@@ -56,7 +56,7 @@ impl Ribbon {
     }
 
     /// The direction at each point.
-    fn tangents(&self) -> Vec<Vec2> {
+    pub(super) fn tangents(&self) -> Vec<Vec2> {
         let r = &self.ribs;
         let n = r.len();
         let step = |a: usize, b: usize| (r[b].at - r[a].at).normalize_or_zero();

@@ -8,13 +8,14 @@
 //! What a pen draws is ordered and reversed, layer by layer, for little travel; nothing is joined, since
 //! each stroke has its id.
 //!
-//! Grain and pictures of strokes have no outline: such strokes are even here.
+//! Grain and pictures of strokes have no outline: such strokes are even here. Rims are shapes of
+//! paper beneath the strokes; haloes, by which near lines part far ones, are in pixels alone.
 
 use super::picture::frame;
 use super::ready::{Drawn, ready};
 use super::{Job, Shot};
 use chiaro_basis::Result;
-use chiaro_ink::brush::{Rib, Ribbon, ribbons};
+use chiaro_ink::brush::{Rib, Ribbon, ribbons, rim};
 use chiaro_ink::{Drawing, Fit, Layer, Mark, Path, Placement, Point, Segment, fit, route};
 use chiaro_lines::Kind;
 use std::collections::BTreeMap;
@@ -43,6 +44,10 @@ pub(super) fn svg(
     };
     let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
     let mut pen = Pen { job, placement: &placement, parts: BTreeMap::new() };
+    let rims: Vec<Mark> = drawn.iter().enumerate().filter_map(|(i, d)| pen.rim(i, d)).collect();
+    if !rims.is_empty() {
+        drawing.layers.push(Layer { name: "rims".into(), marks: rims });
+    }
     for (visible, prefix) in [(false, "hidden "), (true, "")] {
         for kind in Kind::ALL {
             let of_kind =
@@ -88,6 +93,16 @@ impl Pen<'_> {
                 Mark::Named { name, paths: outline, width, colour, data }
             }
         })
+    }
+
+    /// The band of paper beside a stroke that hides others; a plotter has no paper to draw with.
+    fn rim(&self, index: usize, drawn: &Drawn<'_>) -> Option<Mark> {
+        let inked = drawn.inked(&self.job.look.lines);
+        let wanted = inked.hides && self.job.look.print.pen.is_none();
+        let band = rim(&drawn.brush, &drawn.spine, inked.right).filter(|_| wanted)?;
+        let colour = self.job.look.colours.paper;
+        let (name, data) = (format!("rim-{}", index + 1), Vec::new());
+        Some(Mark::Shape { name, outline: self.outline(&band), colour, data })
     }
 
     fn mean_width(&self, marks: &[Ribbon]) -> f64 {
