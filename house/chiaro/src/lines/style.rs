@@ -18,6 +18,15 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
+/// What a style file says at its end to whoever edits it.
+const HINT: &str = "
+# What is different for a type of line goes into [stroke.crease], [stroke.border] and so on, for hidden
+# lines (--hidden style) into [stroke.hidden]. What is different for some objects goes into rules:
+# [[rule]]
+# object = \"hat*\"        # the name of a node; material = and type = narrow it further
+# width = 5
+";
+
 /// What lines look like.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineStyle {
@@ -221,7 +230,7 @@ impl LineStyle {
         for rule in &self.rules {
             rule.write(&mut text);
         }
-        text
+        text + HINT
     }
 }
 
