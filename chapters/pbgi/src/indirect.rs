@@ -5,7 +5,7 @@ use crate::grid::SurfelGrid;
 use crate::hierarchy::Hierarchy;
 use crate::knob::LightKnobs;
 use crate::near::Reflected;
-use crate::pixel::{self, Workspace};
+use crate::pixel::{self, Gathered, Workspace};
 use crate::site::Site;
 use crate::surfel::{Lit, Surfels};
 use crate::tile;
@@ -39,15 +39,51 @@ impl<'a, T: Hierarchy> Prepared<'a, T> {
     }
 }
 
+/// The points of a frame without the frame: what stays while nothing but the eye moves.
+pub struct Points<T: Hierarchy = Tree> {
+    surfels: Surfels,
+    reflected: Reflected,
+    tree: T,
+}
+
+impl<T: Hierarchy> Prepared<'_, T> {
+    /// Lets go of the frame.
+    pub fn into_points(self) -> Points<T> {
+        Points { surfels: self.surfels, reflected: self.reflected, tree: self.tree }
+    }
+}
+
+impl<T: Hierarchy> Points<T> {
+    /// The points again, in a frame that has the same surfaces and the same light.
+    pub fn again<'a>(self, lit: Lit<'a>, knobs: &LightKnobs) -> Prepared<'a, T> {
+        let Self { surfels, reflected, tree } = self;
+        Prepared { lit, surfels, reflected, tree, knobs: knobs.clone(), shift: 0 }
+    }
+}
+
 /// Irradiance by reflected light, with counts.
 #[derive(Clone, Debug, Default)]
 pub struct Indirect {
     /// Linear RGB, at each covered pixel.
     pub irradiance: Plane<[f32; 3]>,
+    /// The open share of the hemisphere, by cosine.
+    pub openness: Plane<f32>,
     /// Cube buffers filled.
     pub gathers: u64,
     /// Nodes visited by all of them.
     pub visited: u64,
+}
+
+impl Indirect {
+    /// No light, and nothing that occludes.
+    pub(crate) fn none(width: usize, height: usize) -> Self {
+        Self {
+            irradiance: Plane::filled(width, height, [0.0; 3]),
+            openness: Plane::filled(width, height, 1.0),
+            gathers: 0,
+            visited: 0,
+        }
+    }
 }
 
 /// Lights the sites of a frame and builds the tree.
@@ -76,10 +112,8 @@ pub fn indirect<T: Hierarchy>(
     run: &Run,
 ) -> Result<Indirect> {
     let (width, height) = buffer.size();
-    let none =
-        Indirect { irradiance: Plane::filled(width, height, [0.0; 3]), ..Indirect::default() };
     if scene.knobs.bounces == 0 || scene.tree.is_empty() {
-        return Ok(none);
+        return Ok(Indirect::none(width, height));
     }
     run.stage("gather", (width * height) as u64, || match scene.knobs.error_bound {
         bound if bound > 0.0 => tile::indirect(scene, buffer, run),
@@ -91,31 +125,31 @@ pub fn indirect<T: Hierarchy>(
 fn by_pixel<T: Hierarchy>(scene: &Prepared<T>, buffer: &GBuffer, run: &Run) -> Result<Indirect> {
     let (width, height) = buffer.size();
     let side = scene.knobs.resolution as usize;
-    let rows: Vec<(Vec<[f32; 3]>, u64, u64)> = (0..height)
+    let occlusion = scene.knobs.occlusion * buffer.radius;
+    let gathered: Vec<Vec<Option<Gathered>>> = (0..height)
         .into_par_iter()
         .map_init(
             || Workspace::new(side),
             |work, y| {
                 run.check()?;
-                let (mut gathers, mut visited) = (0, 0);
-                let row = (0..width)
-                    .map(|x| {
-                        if !buffer.covered[(x, y)] {
-                            return [0.0; 3];
-                        }
+                let pixel = |x| {
+                    buffer.covered[(x, y)].then(|| {
                         let at = Vertex::of_pixel(scene.lit.tracer, buffer, (x, y));
-                        let (e, nodes) = pixel::gather(scene, &at, work, (y * width + x) as u64);
-                        gathers += 1;
-                        visited += nodes;
-                        e
+                        pixel::gather(scene, &at, occlusion, work, (y * width + x) as u64)
                     })
-                    .collect();
-                Ok((row, gathers, visited))
+                };
+                Ok((0..width).map(pixel).collect())
             },
         )
         .collect::<Result<_>>()?;
-    let gathers = rows.iter().map(|r| r.1).sum();
-    let visited = rows.iter().map(|r| r.2).sum();
-    let pixels = rows.into_iter().flat_map(|r| r.0).collect();
-    Ok(Indirect { irradiance: Plane::from_pixels(width, height, pixels), gathers, visited })
+    let mut found = Indirect::none(width, height);
+    for (i, one) in gathered.into_iter().flatten().enumerate() {
+        if let Some(one) = one {
+            found.irradiance.pixels_mut()[i] = one.irradiance;
+            found.openness.pixels_mut()[i] = one.openness;
+            found.gathers += 1;
+            found.visited += one.visited;
+        }
+    }
+    Ok(found)
 }

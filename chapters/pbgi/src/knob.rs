@@ -16,6 +16,17 @@ choice! {
     }
 }
 
+choice! {
+    /// Whether a sky is added to a scene that has none.
+    pub enum OwnSky {
+        /// A clear one, outdoors, where a sun is the only light.
+        #[default]
+        Auto = "auto",
+        /// Never.
+        None = "none",
+    }
+}
+
 knobs! {
     /// How a scene is lit.
     pub struct LightKnobs {
@@ -30,7 +41,9 @@ knobs! {
         side_rays: u32 = 8, Count { min: 0, max: 64 }, "", "rays", "rays by which dead sides are found; 0: all sides live";
         flat_nodes: bool = true, Switch, "", "", "whether flat nodes use the exact cosine";
         near_field: bool = true, Switch, "", "", "whether the near field is rays on the triangles";
+        occlusion: f32 = 0.6, Number { min: 0.001, max: 1000.0 }, "", "R", "what is farther does not occlude (layer ao)";
         samples: u32 = 64, Count { min: 1, max: 1000000 }, "", "paths", "paths a pixel of the reference (--method path)";
+        sky: OwnSky = OwnSky::Auto, Choice(OwnSky::WORDS), "", "", "auto: a clear sky outdoors where a sun is the only light; none: the scene's own light alone";
         exposure: f32 = 0.0, Number { min: -32.0, max: 32.0 }, "", "stops", "brighter or darker than the automatic exposure";
         tone: Tone = Tone::Neutral, Choice(Tone::WORDS), "", "", "tone curve of displayed pictures; neutral: Khronos PBR Neutral";
         edges: u32 = 4, Count { min: 1, max: 16 }, "", "", "samples along a side of pixels where edges are smoothed; 1: none";

@@ -27,11 +27,13 @@
 //! smaller than the spacing of surfels beyond the near field.
 
 pub mod bounce;
+mod cluster;
 pub mod code;
 pub mod compact;
 pub mod cube;
 pub mod curve;
 pub mod cut;
+mod field;
 pub mod file;
 pub mod grid;
 pub mod harmonic;
@@ -42,6 +44,8 @@ pub mod near;
 pub mod packed;
 pub mod payload;
 pub mod pixel;
+mod pool;
+mod receiver;
 pub mod resolve;
 pub mod side;
 pub mod site;
@@ -52,8 +56,8 @@ pub mod tile;
 pub mod tree;
 
 pub use hierarchy::Hierarchy;
-pub use indirect::{Indirect, Prepared, indirect, prepare};
-pub use knob::{LightKnobs, Storage};
+pub use indirect::{Indirect, Points, Prepared, indirect, prepare};
+pub use knob::{LightKnobs, OwnSky, Storage};
 pub use payload::{Exact, Payload};
 pub use site::{Site, sites};
 pub use spread::Spread;

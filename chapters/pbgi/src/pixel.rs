@@ -11,6 +11,7 @@ use crate::indirect::Prepared;
 use crate::near;
 use chiaro_basis::math::Vec3;
 use chiaro_trace::{Sequence, Sides, Vertex};
+use std::f32::consts::FRAC_1_PI;
 
 /// Buffers that a thread uses again and again.
 pub struct Workspace {
@@ -30,14 +31,26 @@ impl Workspace {
     }
 }
 
-/// Irradiance by reflected light at a receiver; `seed` tells receivers apart. Also the number of
-/// nodes visited.
+/// What a receiver gathers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gathered {
+    /// Irradiance by reflected light, linear RGB.
+    pub irradiance: [f32; 3],
+    /// The open share of the hemisphere, by cosine.
+    pub openness: f32,
+    /// Nodes visited.
+    pub visited: u64,
+}
+
+/// Gathers at a receiver; what is farther than `occlusion` scene units does not occlude. `seed`
+/// tells receivers apart.
 pub fn gather<T: Hierarchy>(
     scene: &Prepared<T>,
     at: &Vertex,
+    occlusion: f32,
     work: &mut Workspace,
     seed: u64,
-) -> ([f32; 3], u64) {
+) -> Gathered {
     let Workspace { buffer, splats } = work;
     buffer.clear();
     splats.clear();
@@ -53,20 +66,24 @@ pub fn gather<T: Hierarchy>(
         near_rays(scene, at, buffer, near, seed);
     }
     buffer.add_sorted(splats);
-    (irradiance(buffer, at.normal), visited)
+    Gathered { visited, ..sum(buffer, at.normal, occlusion) }
 }
 
-/// The sum over texels of radiance times the clamped cosine.
-pub fn irradiance(buffer: &CubeBuffer, normal: Vec3) -> [f32; 3] {
-    let mut sum = [0.0; 3];
+/// The sums over texels of radiance and of openness times the clamped cosine.
+fn sum(buffer: &CubeBuffer, normal: Vec3, occlusion: f32) -> Gathered {
+    let mut sum = Gathered { openness: 1.0, ..Gathered::default() };
     let shape = buffer.shape();
     for (i, (d, omega)) in shape.directions.iter().zip(&shape.solid_angles).enumerate() {
-        let cosine = d.dot(normal);
-        if cosine > 0.0 {
+        let weight = d.dot(normal).max(0.0) * omega;
+        if weight > 0.0 {
             let radiance = buffer.radiance(i);
-            (0..3).for_each(|c| sum[c] += radiance[c] * cosine * omega);
+            (0..3).for_each(|c| sum.irradiance[c] += radiance[c] * weight);
+            if buffer.texels()[i].mean_distance() < occlusion {
+                sum.openness -= weight * FRAC_1_PI * buffer.coverage(i);
+            }
         }
     }
+    sum.openness = sum.openness.max(0.0);
     sum
 }
 

@@ -55,9 +55,39 @@ fn every_pixel_by_itself_is_near_the_truth_and_discs_alone_are_farther() {
     };
     let discs = LightKnobs { near_field: false, ..usual.clone() };
     let lobes = LightKnobs { flat_nodes: false, ..usual.clone() };
-    let e = errors(&[usual, discs, lobes]);
+    let tiles = LightKnobs { bounces: 1, surfels: 20_000, ..LightKnobs::default() };
+    let e = errors(&[usual, discs, lobes, tiles]);
     assert!(e[0] < 0.16, "{e:?}");
     assert!(e[0] < e[1] && e[0] < e[2], "{e:?}");
+    assert!(e[3] < 0.21, "{e:?}");
+}
+
+#[test]
+fn gathers_tell_how_open_the_hemisphere_is() {
+    let scene = demo::scene("cornell-box").unwrap();
+    let frame = frame(&scene);
+    let tracer = Tracer::new(&scene, &frame);
+    let surfaces = Surfaces::new(&scene);
+    let lights = Lights { glow: Glow::of(&tracer, &surfaces), ..Lights::default() };
+    let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
+    let run = Run::default();
+    let size = (48, 48);
+    let buffer = GBuffer::trace(&tracer, &surfaces, &frame.cameras[0], size, &run).unwrap();
+    let reach = 0.6 * buffer.radius;
+    let rays = chiaro_trace::ambient_occlusion(&tracer, &buffer, reach, 8, &run).unwrap();
+    for error_bound in [0.1, 0.0] {
+        let knobs =
+            LightKnobs { surfels: 20_000, bounces: 1, error_bound, ..LightKnobs::default() };
+        let sites = sites(&scene, &frame, 20_000);
+        let prepared = prepare(lit, &sites, &knobs, &run).unwrap();
+        let found = indirect(&prepared, &buffer, &run).unwrap();
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (i, _) in buffer.covered.pixels().iter().enumerate().filter(|(_, c)| **c) {
+            sum += (found.openness.pixels()[i] - rays.pixels()[i]).abs();
+            count += 1.0;
+        }
+        assert!(sum / count < 0.09, "{error_bound}: {}", sum / count);
+    }
 }
 
 #[test]

@@ -21,6 +21,19 @@ const GROUND: f32 = 0.25;
 
 /// The sun in the direction `towards`, and its sky.
 pub fn daylight(towards: Vec3) -> (Lamp, Sky) {
+    let (sun, sky) = clear(towards);
+    (sun, Sky::new(sky))
+}
+
+/// The clear sky that goes with a parallel lamp taken for the sun.
+pub fn sky_of_sun(lamp: &Lamp) -> Sky {
+    let (sun, sky) = clear(-lamp.direction);
+    let scale = lamp.strength * luminance(lamp.colour) / sun.strength;
+    Sky::new(sky.map(|c| c.map(|v| v * scale)))
+}
+
+/// A sun and the picture of its sky.
+fn clear(towards: Vec3) -> (Lamp, Plane<[f32; 3]>) {
     let mut sun = towards.normalize_or(Vec3::Y);
     sun.y = sun.y.max(0.05);
     let sun = sun.normalize();
@@ -38,7 +51,7 @@ pub fn daylight(towards: Vec3) -> (Lamp, Sky) {
     let level = level_illuminance(&upper);
     let lamp =
         Lamp { strength: SUN_OVER_SKY * level, colour: sun_colour(sun.y), ..Lamp::sun(-sun) };
-    (lamp, Sky::new(sky))
+    (lamp, sky)
 }
 
 /// Warm near the horizon, nearly white above; of luminance 1.

@@ -26,7 +26,7 @@ mod triangle;
 mod vertex;
 pub mod view;
 
-pub use daylight::daylight;
+pub use daylight::{daylight, sky_of_sun};
 pub use direct::{Direct, direct_irradiance, lamp_irradiance};
 pub use gbuffer::GBuffer;
 pub use glow::{Glow, GlowPoint, GlowTriangle};

@@ -32,15 +32,18 @@ pub(super) fn gather(
     oracle: bool,
     run: &Run,
 ) -> Result<Gathered> {
-    let sparse = prepare(*lit, &shot.sites, knobs, run)?;
-    let dead = sparse.surfels.dead_sides();
     if !knobs.is_compact() {
+        let sparse = shot.kept.prepare(*lit, &shot.sites, knobs, run)?;
+        let dead = sparse.surfels.dead_sides();
         let (surfels, bytes) = (sparse.surfels.all.len() as u64, sparse.tree.bytes());
         let nodes = sparse.tree.nodes.len();
         let found = indirect(&sparse, buffer, run)?;
         let counts = measures([surfels, nodes as u64, 0, bytes as u64], dead, &found);
+        shot.kept.keep(sparse);
         return Ok(Gathered { found, exact: None, counts });
     }
+    let sparse = prepare(*lit, &shot.sites, knobs, run)?;
+    let dead = sparse.surfels.dead_sides();
     let cube = stream::cube(lit, &shot.spread);
     let tree = match &shot.files.baked {
         Some(baked) => baked.tree.clone(),

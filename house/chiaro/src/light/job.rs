@@ -47,8 +47,11 @@ choice! {
 
 /// Paths a pixel between two looks at the clock and at Ctrl-C.
 const BATCH: u32 = 64;
-/// Reach of the occlusion layer in parts of R, and its rays.
-const OCCLUSION: (f32, usize) = (0.6, 8);
+/// Rays of the occlusion layer beside paths.
+const OCCLUSION_RAYS: usize = 8;
+
+/// What a method finds of a frame: light, openness, measures.
+type Found = (Plane<Seen>, Plane<f32>, Map<String, Value>);
 
 /// A light job.
 pub struct Job<'a> {
@@ -152,17 +155,9 @@ impl Job<'_> {
         let buffer = buffer?;
         let lights = shot.lights(&tracer);
         let lit = Lit { tracer: &tracer, surfaces: &shot.surfaces, lights: &lights };
-        let (seen, measures) = match self.method {
+        let (seen, openness, measures) = match self.method {
             Method::Pbgi => self.by_points(shot, &lit, &buffer, run)?,
             Method::Path => self.by_paths(&lit, &buffer, run)?,
-        };
-        let openness = match self.target.extension().as_str() {
-            "exr" => {
-                let radius = OCCLUSION.0 * buffer.radius;
-                let stage = || ambient_occlusion(&tracer, &buffer, radius, OCCLUSION.1, run);
-                Some(run.stage("channels", pixels, stage)?)
-            }
-            _ => None,
         };
         let scale = |v: [f32; 3]| v.map(|c| c * shot.exposure);
         let seen = seen.map(|s| Seen {
@@ -174,13 +169,7 @@ impl Job<'_> {
         Ok((Layers { seen, openness, buffer }, measures))
     }
 
-    fn by_points(
-        &self,
-        shot: &Shot,
-        lit: &Lit,
-        buffer: &GBuffer,
-        run: &Run,
-    ) -> Result<(Plane<Seen>, Map<String, Value>)> {
+    fn by_points(&self, shot: &Shot, lit: &Lit, buffer: &GBuffer, run: &Run) -> Result<Found> {
         let pixels = buffer.covered.len() as u64;
         let direct = run
             .stage("channels", pixels, || direct_irradiance(lit.tracer, buffer, lit.lights, run))?;
@@ -202,15 +191,10 @@ impl Job<'_> {
             let truth = resolve(lit, buffer, &irradiance, side, run)?;
             counts.extend(check::against_exact(shot, &seen, &truth, self.knobs)?);
         }
-        Ok((seen, counts))
+        Ok((seen, found.openness, counts))
     }
 
-    fn by_paths(
-        &self,
-        lit: &Lit,
-        buffer: &GBuffer,
-        run: &Run,
-    ) -> Result<(Plane<Seen>, Map<String, Value>)> {
+    fn by_paths(&self, lit: &Lit, buffer: &GBuffer, run: &Run) -> Result<Found> {
         let (width, height) = buffer.size();
         let paths = PathTracer {
             tracer: lit.tracer,
@@ -237,7 +221,11 @@ impl Job<'_> {
         counts.insert("samples".into(), json!(image.samples()));
         counts.insert("bounces".into(), json!(self.knobs.bounces));
         counts.insert("reference_error".into(), json!(image.relative_error(&buffer.covered)));
-        Ok((seen, counts))
+        let reach = self.knobs.occlusion * buffer.radius;
+        let openness = run.stage("channels", (width * height) as u64, || {
+            ambient_occlusion(lit.tracer, buffer, reach, OCCLUSION_RAYS, run)
+        })?;
+        Ok((seen, openness, counts))
     }
 
     fn settings(&self, shot: &Shot) -> Map<String, Value> {

@@ -13,7 +13,7 @@ pub(crate) struct Layers {
     /// The light of each pixel.
     pub(crate) seen: Plane<Seen>,
     /// Ambient occlusion: the open share of the hemisphere.
-    pub(crate) openness: Option<Plane<f32>>,
+    pub(crate) openness: Plane<f32>,
     /// Geometry, through pixel centres.
     pub(crate) buffer: GBuffer,
 }
@@ -61,9 +61,7 @@ impl Layers {
             push(format!("albedo.{name}"), b.base_colour.map(|v| v[c]));
         }
         push("A".into(), self.seen.map(|s| s.coverage));
-        if let Some(openness) = &self.openness {
-            push("ao.A".into(), openness.clone());
-        }
+        push("ao.A".into(), self.openness.clone());
         let depth = b.depth.zip(&b.covered, |d, c| if *c { *d } else { f32::INFINITY });
         push("depth.Z".into(), depth?);
         for (c, axis) in ["X", "Y", "Z"].into_iter().enumerate() {

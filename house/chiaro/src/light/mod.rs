@@ -8,7 +8,10 @@ mod baked;
 mod check;
 mod coded;
 mod job;
+mod kept;
 mod layers;
 mod shot;
+mod trial;
 
 pub use job::{Check, Job, Method, check_target};
+pub use trial::{Outcome, Truth, Way, trial};

@@ -1,6 +1,7 @@
 //! What the frames of a lit shot share.
 
 use super::baked::TreeFiles;
+use super::kept::Kept;
 use crate::camera::Camera;
 use crate::disk;
 use crate::project::Project;
@@ -8,11 +9,12 @@ use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::codec::{self, Limits};
 use chiaro_image::colour::luminance;
-use chiaro_pbgi::{LightKnobs, Site, Spread, sites};
+use chiaro_pbgi::{LightKnobs, OwnSky, Site, Spread, sites};
 use chiaro_scene::{Frame, LightKind, Pose};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{
     Glow, KEY_FROM, Lamp, Lights, Ray, Sides, Sky, Surfaces, Tracer, cosine_direction, daylight,
+    sky_of_sun,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -38,6 +40,8 @@ pub(crate) struct Shot<'a> {
     /// Display values over radiance.
     pub(crate) exposure: f32,
     source: Source,
+    /// The points of the frame before.
+    pub(crate) kept: Kept,
     /// The hash of the environment's file.
     pub(crate) env_hash: Option<String>,
 }
@@ -77,7 +81,8 @@ impl<'a> Shot<'a> {
             false => Spread::default(),
         };
         let tracer = Tracer::new(&project.scene, &frames[0]);
-        let source = Source::choose(project, sky, &tracer, &surfaces, &pose, run);
+        let clear_sky = knobs.sky == OwnSky::Auto;
+        let source = Source::choose(project, sky, &tracer, &surfaces, &pose, clear_sky, run);
         drop(tracer);
         let mut shot = Self {
             project,
@@ -88,6 +93,7 @@ impl<'a> Shot<'a> {
             files: TreeFiles::default(),
             exposure: 1.0,
             source,
+            kept: Kept::default(),
             env_hash,
         };
         shot.exposure = shot.expose(&numbers, &frames, knobs, run)?;
@@ -177,6 +183,7 @@ impl Source {
         tracer: &Tracer,
         surfaces: &Surfaces,
         pose: &Pose,
+        clear_sky: bool,
         run: &Run,
     ) -> Self {
         if let Some([azimuth, elevation]) = project.options.sun {
@@ -185,7 +192,15 @@ impl Source {
             let (sun, clear) = daylight(towards);
             return Self::Instead(sun, Some(sky.unwrap_or_else(|| Arc::new(clear))));
         }
-        if sky.is_some() || !Self::Scene(None).lights(tracer, surfaces).is_empty() {
+        let own = Self::Scene(None).lights(tracer, surfaces);
+        if let (None, Some(sun)) = (&sky, lone_sun(&own))
+            && clear_sky
+            && !is_closed(tracer, pose)
+        {
+            run.warn("a sun alone: a clear sky beside it; --set sky=none leaves it out");
+            return Self::Scene(Some(Arc::new(sky_of_sun(sun))));
+        }
+        if sky.is_some() || !own.is_empty() {
             return Self::Scene(sky);
         }
         if is_closed(tracer, pose) {
@@ -211,6 +226,14 @@ impl Source {
                 Lights { lamps: vec![*lamp], glow: Glow::default(), sky: sky.clone() }
             }
         }
+    }
+}
+
+/// The only light of a scene, if that is parallel.
+fn lone_sun(lights: &Lights) -> Option<&Lamp> {
+    match &lights.lamps[..] {
+        [lamp] if lights.glow.is_empty() && lamp.kind == LightKind::Directional => Some(lamp),
+        _ => None,
     }
 }
 
