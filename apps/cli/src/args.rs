@@ -124,7 +124,7 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 2.3, 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1 to 4.12, 4.events, 4.lines, 4.textures,
+        /// Which: 2.3, 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1 to 4.15, 4.events, 4.lines, 4.textures,
         /// 4.styles, 4.character, baselines, flicker, methods, strokes; none means all but the last three.
         names: Vec<String>,
         /// A scene for baselines, flicker, methods and strokes, which lay ways side by side; may be

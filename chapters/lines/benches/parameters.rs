@@ -2,14 +2,15 @@
 //!
 //! `cargo bench -p chiaro-lines --bench parameters` runs all; names choose scenes (bumpy-torus,
 //! peanut, head, and so on), `--degrees 6` how fast scenes that stand still are turned, `--frames N`
-//! the length, `--set key=value` any knob, `--coherence` a row for each of its values.
+//! the length, `--set key=value` any knob, `--coherence` a row for each of its values, `--live` the
+//! frames a second of the interactive variant (row L8) instead.
 
 #![allow(clippy::print_stdout)]
 
 use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Knobs, Run};
-use chiaro_lines::parameter::{Parameters, Weights, parameterize};
-use chiaro_lines::{Film, LinesKnobs, Method, Reel, View, measure, quality};
+use chiaro_lines::parameter::{Live, Parameters, Weights, parameterize};
+use chiaro_lines::{Film, Ground, LinesKnobs, Method, Posed, Reel, View, measure, quality};
 use chiaro_scene::{Choice, Pose, Poser, Projection, demo};
 use std::time::Instant;
 
@@ -26,6 +27,9 @@ fn main() {
     }
     let frames = number("--frames", 48.0) as usize;
     let curve = words.iter().any(|w| w == "--coherence");
+    if words.iter().any(|w| w == "--live") {
+        return named.iter().for_each(|name| live(name, &knobs));
+    }
     for name in if named.is_empty() { vec!["bumpy-torus"] } else { named } {
         let found = film(name, frames, number("--degrees", 1.5), &knobs);
         if curve { coherence(&found, &knobs) } else { methods(&found, &knobs) }
@@ -50,6 +54,35 @@ fn film(name: &str, frames: usize, degrees: f32, knobs: &LinesKnobs) -> Film {
     let reel = Reel { scene: &scene, count: frames, at: &at };
     println!("{name}, {frames} frames");
     Film::of(&reel, knobs, &Run::default()).expect("nothing stops it")
+}
+
+/// Frames a second before a camera that turns, lines and diffusion each.
+fn live(name: &str, knobs: &LinesKnobs) {
+    let scene = demo::scene(name).expect("the scene is there");
+    let (playback, _) = scene.playback(&Choice::Auto).expect("clips play together");
+    let frame = Poser::new(&scene).frame(0.0, &playback);
+    let bounds = frame.bounds();
+    let ground = Ground::of(&scene, &frame, knobs);
+    let posed = Posed::new(&ground.surface, &frame, knobs.smooth_normals);
+    let mut live = Live::new(&ground, knobs);
+    let (mut all, mut strokes) = (Vec::new(), 0);
+    for i in 0..24 {
+        let away = Quat::from_rotation_y(0.026 * i as f32) * Vec3::new(1.0, 0.6, 2.0).normalize();
+        let from = bounds.centre() + away * 3.6 * bounds.radius();
+        let projection = Projection::Perspective { fov_y: 0.6 };
+        let pose = Pose::look_at(from, bounds.centre(), Vec3::Y, projection);
+        let start = Instant::now();
+        strokes = live.frame(&posed, &View::new(pose, (960, 540))).len();
+        all.push(start.elapsed().as_secs_f64());
+    }
+    all.sort_by(f64::total_cmp);
+    println!(
+        "{name}: {} triangles, {strokes} strokes, {:.1} ms a frame ({:.1} fps), at best {:.1} ms",
+        ground.surface.real_faces,
+        1e3 * all[12],
+        all[12].recip(),
+        1e3 * all[0],
+    );
 }
 
 fn methods(found: &Film, knobs: &LinesKnobs) {

@@ -86,6 +86,13 @@ pub struct Diffused {
     pub weight: f64,
 }
 
+impl Diffused {
+    /// w_sigma: how much an even spread counts here.
+    pub fn trust(&self) -> f64 {
+        (-self.variance / (VARIANCE * VARIANCE)).exp()
+    }
+}
+
 const CELL: f64 = 12.0;
 
 impl Diffuser {
@@ -123,6 +130,15 @@ impl Diffuser {
                 .collect()
         };
         strokes.iter().map(carried).collect()
+    }
+
+    /// Where the samples that speak for a sample of the next frame are, and how much each counts.
+    pub fn weights(&mut self, stroke: &Stroke, j: usize, view: &View) -> Vec<(DVec2, f64)> {
+        self.place(view);
+        let asker = Asker::of(stroke, j, view);
+        let mut weights = Vec::new();
+        self.around(asker.at, FAR * SPREAD, |v| weights.push((v.at, asker.weight(v, SPREAD))));
+        weights
     }
 
     /// Keeps the pen's parameters of the strokes that were advanced last.
@@ -269,7 +285,7 @@ fn reconstruct(stroke: &Stroke, diffused: &[Diffused]) -> Vec<f64> {
     let whole: f64 = (0..n - 1).map(world).sum();
     let ratio = if whole > 0.0 { stroke.total() / whole } else { 0.0 };
     let firm = if stroke.visible { 1.0 } else { HIDDEN };
-    let trust = |k: usize| (-diffused[k % diffused.len()].variance / (VARIANCE * VARIANCE)).exp();
+    let trust = |k: usize| diffused[k % diffused.len()].trust();
     for k in 0..n - 1 {
         let ds = (stroke.length[k + 1] - stroke.length[k]).max(1e-3);
         let w = firm * trust(k).min(trust(k + 1)).max(LEAST) / ds;

@@ -14,6 +14,7 @@ pub(crate) mod cut;
 pub mod diffuse;
 mod energy;
 mod fit;
+mod live;
 mod monotone;
 mod name;
 pub(crate) mod near;
@@ -26,6 +27,7 @@ mod split;
 pub use chart::Saved;
 pub use diffuse::{Diffused, Diffuser, Gesture};
 pub use energy::Weights;
+pub use live::Live;
 
 use crate::film::Film;
 use crate::knob::{Cuts, LinesKnobs, Links, Method, Texture};

@@ -6,6 +6,7 @@ mod brushes;
 mod chapter3;
 mod chapter4;
 mod comparisons;
+mod diffusion;
 mod films;
 mod methods;
 mod plate;
@@ -36,7 +37,7 @@ struct Figure {
 fn all() -> impl Iterator<Item = &'static Figure> {
     let chapter3 = chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES);
     let chapter4 = chapter4::FIGURES.iter().chain(&swept::FIGURES).chain(&strokes::FIGURES);
-    chapter3.chain(chapter4).chain(&brushes::FIGURES)
+    chapter3.chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES)
 }
 
 /// The figures that take scenes: every baseline beside ours, and the flicker of films.
