@@ -39,6 +39,8 @@ struct Part {
     /// Lower triangle by columns, in local numbers.
     starts: Vec<usize>,
     below: Vec<usize>,
+    /// For each row in turn, the local numbers of its unknowns.
+    numbers: Vec<u32>,
     /// For each row in turn, for each pair of its entries (i, j <= i), the place of their product.
     places: Vec<u32>,
     symbolic: Option<SymbolicCholesky<usize>>,
@@ -149,12 +151,14 @@ impl Part {
             (starts[column] + k) as u32
         };
         let places = all().map(place).collect();
+        let entries = own.iter().flat_map(|r| rows.row(*r as usize));
+        let numbers = entries.map(|(i, _)| local[*i as usize]).collect();
         let below: Vec<usize> = columns.concat();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &below);
         let params = CholeskySymbolicParams::default();
         let symbolic =
             factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params).ok();
-        Self { unknowns, rows: own, starts, below, places, symbolic }
+        Self { unknowns, rows: own, starts, below, numbers, places, symbolic }
     }
 
     fn solve(&self, rows: &Rows, weights: &[f64], right: &[f64]) -> Result<Vec<f64>, Singular> {
@@ -191,15 +195,14 @@ impl Part {
     fn assembled(&self, rows: &Rows, weights: &[f64], right: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut values = vec![0.0; self.below.len()];
         let mut x = vec![0.0; self.unknowns.len()];
-        let mut places = self.places.iter();
+        let (mut places, mut numbers) = (self.places.iter(), self.numbers.iter());
         for &r in &self.rows {
             let (row, weight) = (rows.row(r as usize), weights[r as usize]);
-            for (k, (i, a)) in row.iter().enumerate() {
+            for ((k, (_, a)), number) in row.iter().enumerate().zip(numbers.by_ref()) {
                 for ((_, b), place) in row[..=k].iter().zip(places.by_ref()) {
                     values[*place as usize] += weight * a * b;
                 }
-                let at = self.unknowns.binary_search(i).expect("a part holds its rows' unknowns");
-                x[at] += weight * a * right[r as usize];
+                x[*number as usize] += weight * a * right[r as usize];
             }
         }
         (values, x)

@@ -15,7 +15,9 @@ use chiaro_solve::Singular;
 use std::collections::BTreeMap;
 
 /// Scales of the robust weights, pixels.
-const ANNEAL: [f64; 8] = [200.0, 100.0, 50.0, 25.0, 12.0, 8.0, 8.0, 8.0];
+pub(crate) const ANNEAL: [f64; 8] = [200.0, 100.0, 50.0, 25.0, 12.0, 8.0, 8.0, 8.0];
+/// The same where most contradictions are cut already.
+pub(crate) const AGAIN: [f64; 4] = [25.0, 12.0, 8.0, 8.0];
 /// w_proj of the stiff solve.
 const STIFF: f64 = 1e-3;
 /// Single links go beyond this many sliding limits.
@@ -41,15 +43,15 @@ pub(crate) fn agreeing(
     energy: &Energy,
     (scale, period): (&[f64], &[Option<f64>]),
     weights: &Weights,
-    sigma: f64,
+    (anneal, sigma): (&[f64], f64),
 ) -> Result<Kept, Singular> {
     let stiff = vec![1.0; energy.stretches.len()];
     let weights = Weights { projection: STIFF, ..*weights };
     let mut u = guess(net, scale, period);
     let mut wraps = wraps(net, energy, period, &u);
-    for s in ANNEAL {
+    for s in anneal {
         let trust: Vec<f64> = (0..net.links.len())
-            .map(|i| (1.0 + (energy.residual(i, &u, wraps[i]) / s).powi(2)).powi(-2))
+            .map(|i| (1.0 + (energy.residual(i, &u, wraps[i]) / *s).powi(2)).powi(-2))
             .collect();
         u = energy.solve(&weights, &stiff, &trust, &wraps)?;
         wraps = self::wraps(net, energy, period, &u);

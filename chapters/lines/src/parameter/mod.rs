@@ -125,7 +125,7 @@ impl Parameters {
     pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs) -> Result<Self> {
         seam::carry(film);
         let sigma = f64::from(knobs.sliding_limit);
-        let mut made = Self::linked(film, spacing, knobs)?;
+        let mut made = Self::linked(film, spacing, knobs, &cut::ANNEAL)?;
         match knobs.cuts {
             Cuts::Charts => {
                 for _ in 0..ROUNDS {
@@ -134,14 +134,15 @@ impl Parameters {
                     if split::split(film, &made.net, &places) == 0 {
                         break;
                     }
-                    made = Self::linked(film, spacing, knobs)?;
+                    made = Self::linked(film, spacing, knobs, &cut::AGAIN)?;
                 }
             }
             Cuts::Events | Cuts::Unpaired => {
                 let paired = knobs.cuts == Cuts::Events;
                 let (places, saved) = chart::events(&made.net, paired, sigma);
                 split::split(film, &made.net, &places);
-                made = Self { saved: Some(saved), ..Self::linked(film, spacing, knobs)? };
+                made =
+                    Self { saved: Some(saved), ..Self::linked(film, spacing, knobs, &cut::AGAIN)? };
             }
             Cuts::Links | Cuts::None => {}
         }
@@ -149,7 +150,7 @@ impl Parameters {
         Ok(made)
     }
 
-    fn linked(film: &Film, spacing: &[f64], knobs: &LinesKnobs) -> Result<Self> {
+    fn linked(film: &Film, spacing: &[f64], knobs: &LinesKnobs, anneal: &[f64]) -> Result<Self> {
         let mut net = Net::of(film, knobs.links == Links::Swept);
         let stretched = knobs.texture == Texture::Stretched;
         let (scale, period) = sizes(film, &net, knobs);
@@ -163,7 +164,8 @@ impl Parameters {
             _ => {
                 let sigma = f64::from(knobs.sliding_limit);
                 let weights = Weights::of(knobs);
-                cut::agreeing(&net, &energy, (&scale, &period), &weights, sigma).map_err(failed)?
+                cut::agreeing(&net, &energy, (&scale, &period), &weights, (anneal, sigma))
+                    .map_err(failed)?
             }
         };
         Ok(Self { net, energy, kept, scale, period, saved: None })
