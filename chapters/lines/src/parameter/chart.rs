@@ -240,6 +240,32 @@ pub(crate) fn events(net: &Net, paired: bool, sigma: f64) -> (Vec<Place>, Saved)
     (cuts, saved)
 }
 
+/// How many charts there are: lines that trusted links of some length join.
+pub(crate) fn count(net: &Net, trust: &[f64]) -> usize {
+    let mut bundles: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+    for (link, trust) in net.links.iter().zip(trust) {
+        *bundles.entry(link.lines).or_insert(0.0) += trust * link.weight;
+    }
+    let mut parent: Vec<u32> = (0..net.lines.len() as u32).collect();
+    let mut charts = net.lines.len();
+    for (lines, _) in bundles.into_iter().filter(|(_, weight)| *weight >= PART) {
+        let [a, b] = lines.map(|l| root(&mut parent, l));
+        if a != b {
+            parent[a.max(b) as usize] = a.min(b);
+            charts -= 1;
+        }
+    }
+    charts
+}
+
+pub(crate) fn root(parent: &mut [u32], mut x: u32) -> u32 {
+    while parent[x as usize] != x {
+        parent[x as usize] = parent[parent[x as usize] as usize];
+        x = parent[x as usize];
+    }
+    x
+}
+
 /// A path bent so that it ends at a length of its last line.
 fn sheared(path: &[Place], end: f64) -> Vec<Place> {
     let miss = end - path[path.len() - 1].at;

@@ -53,6 +53,10 @@ pub struct Solved {
     pub cut: usize,
     /// Their length in pixels, over the film.
     pub cut_length: f64,
+    /// Charts: lines of all frames that links join.
+    pub charts: usize,
+    /// Lines of all frames, each frame's counted.
+    pub lines: usize,
     /// Segments that folded before they were mended.
     pub mended: usize,
     /// What cuts at events came to, where they are made.
@@ -195,6 +199,8 @@ impl Parameters {
             links: self.net.links.len(),
             cut: self.kept.cut,
             cut_length: self.kept.cut_length,
+            charts: chart::count(&self.net, &self.kept.trust),
+            lines: self.net.lines.len(),
             mended,
             saved: self.saved,
         })
@@ -263,23 +269,16 @@ fn sizes(film: &Film, net: &Net, knobs: &LinesKnobs) -> (Vec<f64>, Vec<Option<f6
 /// Closed lines of the film that links join, by the first of them.
 fn loops(net: &Net) -> BTreeMap<u32, Vec<u32>> {
     let mut parent: Vec<u32> = (0..net.lines.len() as u32).collect();
-    fn root(parent: &mut [u32], mut x: u32) -> u32 {
-        while parent[x as usize] != x {
-            parent[x as usize] = parent[parent[x as usize] as usize];
-            x = parent[x as usize];
-        }
-        x
-    }
     for link in &net.links {
         let [a, b] = link.lines;
         if net.lines[a as usize].closed && net.lines[b as usize].closed {
-            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            let (a, b) = (chart::root(&mut parent, a), chart::root(&mut parent, b));
             parent[a.max(b) as usize] = a.min(b);
         }
     }
     let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for l in (0..net.lines.len() as u32).filter(|l| net.lines[*l as usize].closed) {
-        groups.entry(root(&mut parent, l)).or_default().push(l);
+        groups.entry(chart::root(&mut parent, l)).or_default().push(l);
     }
     groups
 }

@@ -180,6 +180,7 @@ fn value(scene: &str, row: &Row) -> Value {
     map.insert("unknowns".into(), row.solved.unknowns.into());
     map.insert("links".into(), row.solved.links.into());
     map.insert("cut_links".into(), row.solved.cut.into());
+    map.insert("charts".into(), row.solved.charts.into());
     if let Some(saved) = row.solved.saved {
         map.insert("mergers_and_splits".into(), saved.events.iter().sum::<usize>().into());
         map.insert("paired".into(), saved.paired.into());

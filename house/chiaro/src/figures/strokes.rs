@@ -159,13 +159,24 @@ fn cuts(sheet: &mut Sheet, run: &Run) -> Result<()> {
     ];
     for (cuts, method, name) in ways {
         let knobs = LinesKnobs { cuts, method, ..LinesKnobs::default() };
-        let shot = shot("bumpy-torus", 48, (360, 270), &knobs, run)?;
+        let shot = shot("multipod", 48, (360, 270), &knobs, run)?;
         let m = chiaro_lines::measure(&shot.film);
-        let places = shot.solved.saved.map_or(0, |s| s.cut_places);
-        let caption = format!(
-            "{name}: {} lines of {:.1} frames, {:.1} strokes a frame, {} places cut",
-            m.strokes, m.mean_life_frames, m.strokes_per_frame, places
-        );
+        let solved = &shot.solved;
+        let caption = match solved.saved {
+            Some(saved) => format!(
+                "{name}: {} charts of {:.1} frames, {:.1} strokes a frame; {} events, {} pairs, {} places cut",
+                solved.charts,
+                solved.lines as f64 / solved.charts.max(1) as f64,
+                m.strokes_per_frame,
+                saved.events[0] + saved.events[1],
+                saved.paired,
+                saved.cut_places
+            ),
+            None => format!(
+                "{name}: {} ids of {:.1} frames, {:.1} strokes a frame",
+                m.strokes, m.mean_life_frames, m.strokes_per_frame
+            ),
+        };
         sheet.add(stacked(&shot), caption);
     }
     Ok(())
