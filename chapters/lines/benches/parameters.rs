@@ -118,7 +118,7 @@ fn methods(found: &Film, knobs: &LinesKnobs) {
 fn coherence(found: &Film, knobs: &LinesKnobs) {
     let mut film = found.clone();
     let start = Instant::now();
-    let parameters = Parameters::new(&mut film, &[], knobs).expect("it is solved");
+    let parameters = Parameters::new(&mut film, &[], knobs, &Run::default()).expect("it is solved");
     println!("  links, cuts, pattern: {:.0} ms", 1e3 * start.elapsed().as_secs_f64());
     println!("  coherence    slide   over 2  stretch  folds   ms");
     for step in 0..=10 {

@@ -74,7 +74,8 @@ fn a_turning_torus_neither_slides_nor_folds() {
 #[test]
 fn coherence_trades_stretch_for_sliding() {
     let mut film = torus_film(12, 3.0);
-    let parameters = Parameters::new(&mut film, &[], &plain()).expect("it is solved");
+    let parameters =
+        Parameters::new(&mut film, &[], &plain(), &Run::default()).expect("it is solved");
     let mut at = |coherence: f32| {
         let weights = Weights::of(&LinesKnobs { coherence, ..plain() });
         parameters.write(&mut film, &weights).expect("it is solved");

@@ -10,8 +10,9 @@
 //! What is left agrees, so that plain least squares at any weight has no reason to fold.
 
 use super::energy::{Energy, Weights};
+use super::failed;
 use super::net::Net;
-use chiaro_solve::Singular;
+use chiaro_basis::{Result, Run};
 use std::collections::BTreeMap;
 
 /// Scales of the robust weights, pixels.
@@ -37,55 +38,68 @@ pub(crate) struct Kept {
     pub(crate) residual: Vec<f64>,
 }
 
-/// Finds the links that agree. `period` is that of each closed line without a seam.
-pub(crate) fn agreeing(
-    net: &Net,
-    energy: &Energy,
-    (scale, period): (&[f64], &[Option<f64>]),
-    weights: &Weights,
-    (anneal, sigma): (&[f64], f64),
-) -> Result<Kept, Singular> {
-    let stiff = vec![1.0; energy.stretches.len()];
-    let weights = Weights { projection: STIFF, ..*weights };
-    let mut u = guess(net, scale, period);
-    let mut wraps = wraps(net, energy, period, &u);
-    for s in anneal {
-        let trust: Vec<f64> = (0..net.links.len())
-            .map(|i| (1.0 + (energy.residual(i, &u, wraps[i]) / *s).powi(2)).powi(-2))
-            .collect();
-        u = energy.solve(&weights, &stiff, &trust, &wraps)?;
-        wraps = self::wraps(net, energy, period, &u);
-    }
-    let residual: Vec<f64> =
-        (0..net.links.len()).map(|i| energy.residual(i, &u, wraps[i])).collect();
-    let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
-    for (link, r) in net.links.iter().zip(&residual) {
-        bundles.entry(link.lines).or_default().push(r.abs());
-    }
-    let median: BTreeMap<[u32; 2], f64> = bundles
-        .into_iter()
-        .map(|(lines, mut r)| {
-            let middle = r.len() / 2;
-            r.sort_unstable_by(f64::total_cmp);
-            (lines, r[middle])
-        })
-        .collect();
-    let mut kept = Kept {
-        trust: vec![1.0; net.links.len()],
-        wraps,
-        cut: 0,
-        cut_length: 0.0,
-        residual: Vec::new(),
-    };
-    for (i, (link, r)) in net.links.iter().zip(&residual).enumerate() {
-        if r.abs() > SINGLE * sigma || median[&link.lines] > sigma {
-            kept.trust[i] = 0.0;
-            kept.cut += 1;
-            kept.cut_length += link.weight;
+/// How links are judged.
+pub(crate) struct Robust<'a> {
+    pub(crate) weights: Weights,
+    /// Scales of the robust weights, falling.
+    pub(crate) anneal: &'a [f64],
+    /// How far links may disagree, pixels.
+    pub(crate) sigma: f64,
+    pub(crate) run: &'a Run,
+}
+
+impl Robust<'_> {
+    /// Finds the links that agree. `period` is that of each closed line without a seam.
+    pub(crate) fn agreeing(
+        &self,
+        net: &Net,
+        energy: &Energy,
+        scale: &[f64],
+        period: &[Option<f64>],
+    ) -> Result<Kept> {
+        let stiff = vec![1.0; energy.stretches.len()];
+        let weights = Weights { projection: STIFF, ..self.weights };
+        let mut u = guess(net, scale, period);
+        let mut wraps = wraps(net, energy, period, &u);
+        for s in self.anneal {
+            self.run.check()?;
+            let trust: Vec<f64> = (0..net.links.len())
+                .map(|i| (1.0 + (energy.residual(i, &u, wraps[i]) / *s).powi(2)).powi(-2))
+                .collect();
+            u = energy.solve(&weights, &stiff, &trust, &wraps).map_err(failed)?;
+            wraps = self::wraps(net, energy, period, &u);
         }
+        let residual: Vec<f64> =
+            (0..net.links.len()).map(|i| energy.residual(i, &u, wraps[i])).collect();
+        let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
+        for (link, r) in net.links.iter().zip(&residual) {
+            bundles.entry(link.lines).or_default().push(r.abs());
+        }
+        let median: BTreeMap<[u32; 2], f64> = bundles
+            .into_iter()
+            .map(|(lines, mut r)| {
+                let middle = r.len() / 2;
+                r.sort_unstable_by(f64::total_cmp);
+                (lines, r[middle])
+            })
+            .collect();
+        let mut kept = Kept {
+            trust: vec![1.0; net.links.len()],
+            wraps,
+            cut: 0,
+            cut_length: 0.0,
+            residual: Vec::new(),
+        };
+        for (i, (link, r)) in net.links.iter().zip(&residual).enumerate() {
+            if r.abs() > SINGLE * self.sigma || median[&link.lines] > self.sigma {
+                kept.trust[i] = 0.0;
+                kept.cut += 1;
+                kept.cut_length += link.weight;
+            }
+        }
+        kept.residual = residual;
+        Ok(kept)
     }
-    kept.residual = residual;
-    Ok(kept)
 }
 
 /// How often each link goes round the closed line at one of its ends.

@@ -74,7 +74,7 @@ pub fn parameterize(
     run.check()?;
     run.stage("solve", film.frames.len() as u64, || match knobs.method {
         Method::Global => {
-            let parameters = Parameters::new(film, spacing, knobs)?;
+            let parameters = Parameters::new(film, spacing, knobs, run)?;
             parameters.write(film, &Weights::of(knobs))
         }
         Method::Propagate => Ok(propagate::film(film, knobs)),
@@ -126,10 +126,12 @@ pub struct Parameters {
 impl Parameters {
     /// Carries seams, finds links, cuts, and factors the pattern. Seams move samples of closed lines,
     /// and cuts part strokes.
-    pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs) -> Result<Self> {
+    pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         seam::carry(film);
         let sigma = f64::from(knobs.sliding_limit);
-        let mut made = Self::linked(film, spacing, knobs, &cut::ANNEAL)?;
+        let linked =
+            |film: &Film, anneal: &[f64]| Self::linked(film, spacing, knobs, (anneal, run));
+        let mut made = linked(film, &cut::ANNEAL)?;
         match knobs.cuts {
             Cuts::Charts => {
                 for _ in 0..ROUNDS {
@@ -138,15 +140,14 @@ impl Parameters {
                     if split::split(film, &made.net, &places) == 0 {
                         break;
                     }
-                    made = Self::linked(film, spacing, knobs, &cut::AGAIN)?;
+                    made = linked(film, &cut::AGAIN)?;
                 }
             }
             Cuts::Events | Cuts::Unpaired => {
                 let paired = knobs.cuts == Cuts::Events;
                 let (places, saved) = chart::events(&made.net, paired, sigma);
                 split::split(film, &made.net, &places);
-                made =
-                    Self { saved: Some(saved), ..Self::linked(film, spacing, knobs, &cut::AGAIN)? };
+                made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
             }
             Cuts::Links | Cuts::None => {}
         }
@@ -154,7 +155,12 @@ impl Parameters {
         Ok(made)
     }
 
-    fn linked(film: &Film, spacing: &[f64], knobs: &LinesKnobs, anneal: &[f64]) -> Result<Self> {
+    fn linked(
+        film: &Film,
+        spacing: &[f64],
+        knobs: &LinesKnobs,
+        (anneal, run): (&[f64], &Run),
+    ) -> Result<Self> {
         let mut net = Net::of(film, knobs.links == Links::Swept);
         let stretched = knobs.texture == Texture::Stretched;
         let (scale, period) = sizes(film, &net, knobs);
@@ -167,9 +173,8 @@ impl Parameters {
             Cuts::None => cut::all(&net, &energy, &scale, &period),
             _ => {
                 let sigma = f64::from(knobs.sliding_limit);
-                let weights = Weights::of(knobs);
-                cut::agreeing(&net, &energy, (&scale, &period), &weights, (anneal, sigma))
-                    .map_err(failed)?
+                let robust = cut::Robust { weights: Weights::of(knobs), anneal, sigma, run };
+                robust.agreeing(&net, &energy, &scale, &period)?
             }
         };
         Ok(Self { net, energy, kept, scale, period, saved: None })

@@ -5,16 +5,14 @@
 //! votes for another one that disagrees, the line is split. u of each piece is fitted to its votes, by
 //! the same energies as the global solution, with no future in it.
 
-use super::Solved;
 use super::fit::Fit;
 use super::near::Near;
 use super::net::{landing, strokes};
+use super::{Solved, Weights};
 use crate::film::{Film, FilmFrame};
 use crate::knob::LinesKnobs;
-use crate::parameter::Weights;
 use crate::stroke::Stroke;
-use chiaro_basis::math::DVec2;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A stretch that votes for another stroke is split off from this length on, pixels.
 const SPLIT: f64 = 15.0;
@@ -86,7 +84,7 @@ fn votes(before: &FilmFrame, here: &FilmFrame) -> Vec<Vec<Vote>> {
 
 /// The id that most of the length votes for.
 fn winner(votes: &[Vote]) -> Option<u32> {
-    let mut sums = std::collections::BTreeMap::new();
+    let mut sums = BTreeMap::new();
     votes.iter().for_each(|v| *sums.entry(v.id).or_insert(0.0) += v.weight);
     sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|s| s.0)
 }
@@ -97,15 +95,14 @@ fn pieces(stroke: Stroke, votes: Vec<Vote>, sigma: f64) -> Vec<(Stroke, Vec<Vote
     if runs.len() < 2 || stroke.closed {
         return vec![(stroke, votes)];
     }
+    let length = stroke.length.clone();
     let mut pieces = Vec::new();
-    let (mut rest, mut rest_votes) = (stroke, votes);
+    let (mut rest, mut votes, mut first) = (stroke, votes, 0);
     for pair in runs.windows(2) {
         // Between the last vote of one run and the first of the next.
-        let cut = 0.5 * (pair[0].1 + pair[1].0);
-        let base = rest.samples.first().map(|s| s.at).unwrap_or(DVec2::ZERO);
-        let done: f64 = pieces.iter().map(|(s, _): &(Stroke, Vec<Vote>)| s.total()).sum();
-        let k = rest.length.partition_point(|l| *l + done <= cut).clamp(1, rest.samples.len() - 1);
-        if k < 1 || k + 1 >= rest.samples.len() || base.is_nan() {
+        let cut = 0.5 * (pair[0].to + pair[1].from);
+        let k = length.partition_point(|l| *l <= cut).saturating_sub(first);
+        if k < 1 || k + 1 >= rest.samples.len() {
             continue;
         }
         let mut head = rest.clone();
@@ -113,30 +110,40 @@ fn pieces(stroke: Stroke, votes: Vec<Vote>, sigma: f64) -> Vec<(Stroke, Vec<Vote
         rest.samples.drain(..k);
         head.measure();
         rest.measure();
-        let (own, mut others): (Vec<Vote>, Vec<Vote>) =
-            rest_votes.into_iter().partition(|v| v.at.0 < k);
+        let (own, mut others): (Vec<Vote>, Vec<Vote>) = votes.into_iter().partition(|v| v.at.0 < k);
         others.iter_mut().for_each(|v| v.at.0 -= k);
-        rest_votes = others;
+        votes = others;
+        first += k;
         pieces.push((head, own));
     }
-    pieces.push((rest, rest_votes));
+    pieces.push((rest, votes));
     pieces
 }
 
-/// Stretches of votes for one stroke, from length to length, long ones that disagree alone.
-fn runs(votes: &[Vote], sigma: f64) -> Vec<(f64, f64, u32, f64)> {
-    let mut runs: Vec<(f64, f64, u32, f64)> = Vec::new();
+/// Neighbouring votes for one stroke.
+struct Run {
+    from: f64,
+    to: f64,
+    id: u32,
+    /// u where the line begins, as the first of them says.
+    offset: f64,
+}
+
+/// Long runs of votes that disagree with those before them.
+fn runs(votes: &[Vote], sigma: f64) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
     for v in votes {
         match runs.last_mut() {
-            Some(run) if run.2 == v.id => run.1 = v.length,
-            _ => runs.push((v.length, v.length, v.id, v.u - v.length)),
+            Some(run) if run.id == v.id => run.to = v.length,
+            _ => runs.push(Run { from: v.length, to: v.length, id: v.id, offset: v.u - v.length }),
         }
     }
-    runs.retain(|r| r.1 - r.0 >= SPLIT);
-    let mut kept: Vec<(f64, f64, u32, f64)> = Vec::new();
-    for run in runs {
+    let mut kept: Vec<Run> = Vec::new();
+    for run in runs.into_iter().filter(|r| r.to - r.from >= SPLIT) {
         match kept.last_mut() {
-            Some(last) if last.2 == run.2 || (last.3 - run.3).abs() <= sigma => last.1 = run.1,
+            Some(last) if last.id == run.id || (last.offset - run.offset).abs() <= sigma => {
+                last.to = run.to;
+            }
             _ => kept.push(run),
         }
     }

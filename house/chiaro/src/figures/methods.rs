@@ -68,7 +68,7 @@ pub(super) fn methods(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
             let seconds = start.elapsed().as_secs_f64();
             rows.push(Row { name, colour, solved, quality: quality(&film), film, seconds });
         }
-        let (curve, again) = curve(&found, &spacing)?;
+        let (curve, again) = curve(&found, &spacing, run)?;
         sheet.add(plot(&rows, &curve).done(), caption(scene, &rows, again));
         values.extend(rows.iter().map(|row| value(scene, row)));
         values.extend(curve.iter().map(|(c, q)| point(scene, *c, q)));
@@ -108,9 +108,9 @@ fn about(pose: Pose, centre: Vec3, angle: f32) -> Pose {
 }
 
 /// Quality over the control, and the seconds that one more position of it takes.
-fn curve(found: &Film, spacing: &[f64]) -> Result<(Vec<(f32, Quality)>, f64)> {
+fn curve(found: &Film, spacing: &[f64], run: &Run) -> Result<(Vec<(f32, Quality)>, f64)> {
     let mut film = found.clone();
-    let parameters = Parameters::new(&mut film, spacing, &LinesKnobs::default())?;
+    let parameters = Parameters::new(&mut film, spacing, &LinesKnobs::default(), run)?;
     let mut points = Vec::new();
     let mut least = f64::INFINITY;
     for step in 0..=10 {
