@@ -62,7 +62,7 @@ fn live(name: &str, knobs: &LinesKnobs) {
     let (playback, _) = scene.playback(&Choice::Auto).expect("clips play together");
     let frame = Poser::new(&scene).frame(0.0, &playback);
     let bounds = frame.bounds();
-    let ground = Ground::of(&scene, &frame, knobs);
+    let ground = Ground::of(&scene, &frame, knobs, &[]);
     let posed = Posed::new(&ground.surface, &frame, knobs.smooth_normals);
     let mut live = Live::new(&ground, knobs);
     let (mut all, mut strokes) = (Vec::new(), 0);

@@ -22,7 +22,7 @@ use crate::view::View;
 /// let scene = demo::scene("peanut")?;
 /// let frame = scene.frame(0.0, &Playback::still());
 /// let knobs = LinesKnobs::default();
-/// let ground = Ground::of(&scene, &frame, &knobs);
+/// let ground = Ground::of(&scene, &frame, &knobs, &[]);
 /// let posed = Posed::new(&ground.surface, &frame, knobs.smooth_normals);
 /// let mut live = Live::new(&ground, &knobs);
 /// for step in 0..3 {
