@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 /// Scales of the robust weights, pixels.
 pub(crate) const ANNEAL: [f64; 8] = [200.0, 100.0, 50.0, 25.0, 12.0, 8.0, 8.0, 8.0];
 /// The same where most contradictions are cut already.
-pub(crate) const AGAIN: [f64; 4] = [25.0, 12.0, 8.0, 8.0];
+pub(crate) const AGAIN: [f64; 6] = [100.0, 50.0, 25.0, 12.0, 8.0, 8.0];
 /// w_proj of the stiff solve.
 const STIFF: f64 = 1e-3;
 /// Single links go beyond this many sliding limits.
