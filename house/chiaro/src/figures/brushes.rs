@@ -192,13 +192,13 @@ fn stretched_and_repeated(sheet: &mut Sheet, run: &Run) -> Result<()> {
 }
 
 fn desk(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    let scene = Scene::open("demo:desk", &[1, 17, 33, 49], &[], SIZE, run)?;
+    let scene = Scene::open("demo:desk", &[1, 9, 17, 25], &[], SIZE, run)?;
     row(sheet, &scene, ("pencil", &[]), run)?;
     row(sheet, &scene, ("brush", &["width=6"]), run)
 }
 
 fn bowl(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    let scene = Scene::open("demo:bowl", &[1, 13, 25, 37], &[], SIZE, run)?;
+    let scene = Scene::open("demo:bowl", &[1, 7, 13, 19], &[], SIZE, run)?;
     row(sheet, &scene, ("charcoal", &[]), run)?;
     row(sheet, &scene, ("wash", &[]), run)
 }

@@ -198,7 +198,8 @@ impl LineStyle {
                 ..brush
             };
         }
-        for rule in self.rules.iter().filter(|r| r.holds(subject)) {
+        let own = self.knobs.hidden == Hidden::Style;
+        for rule in self.rules.iter().filter(|r| r.holds(subject) && (own || !r.hidden)) {
             for (key, value) in &rule.sets {
                 brush.set(key, value).expect("rules were checked as they were read");
             }
@@ -277,7 +278,9 @@ impl Rule {
         let sets = self.sets.iter().map(|(k, v)| (k.as_str(), v.as_str()));
         let _ = writeln!(text, "\n{}", heading.as_deref().unwrap_or("[[rule]]"));
         for (key, value) in conditions.chain(sets) {
-            let _ = writeln!(text, "{key} = {}", toml::Value::String(value.into()));
+            let plain = value.parse::<f64>().is_ok() || value.parse::<bool>().is_ok();
+            let quoted = || toml::Value::String(value.into()).to_string();
+            let _ = writeln!(text, "{key} = {}", if plain { value.into() } else { quoted() });
         }
     }
 }
@@ -328,6 +331,7 @@ mod tests {
         if let Some(toml::Value::Array(rules)) = table.get("rule") {
             style.read_rules("a.toml", rules)?;
         }
+        style.knobs.hidden = Hidden::Style;
         Ok(style)
     }
 
