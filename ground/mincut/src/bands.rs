@@ -85,6 +85,11 @@ fn place<C: Capacity>(search: &mut Search<Residual<C>>, band: Search<Residual<C>
         tree.grown = tree.grown.max(part.grown + GAP);
         let waiting = part.again.iter().chain(part.active.iter().flatten());
         tree.again.extend(waiting.map(|v| v + shift as u32));
+        if part.seeded {
+            // Only black roots can be left: a band is done when its white tree is.
+            let roots = (0..band.label.len()).filter(|&v| band.label[v].get() == -1);
+            tree.again.extend(roots.map(|v| (v + shift) as u32));
+        }
     }
 }
 

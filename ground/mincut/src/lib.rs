@@ -124,9 +124,9 @@ pub fn solve_on(grid: &Grid, threads: usize) -> Result<Cut, GridError> {
     if grid.mask.is_empty() {
         return Ok(Cut { labels: Vec::new(), flow: 0, cut: 0 });
     }
-    let cut = |(search, constant)| read::<i16>(grid, &search, constant);
+    let cut = |(search, constant)| read::<i16>(grid, search, constant);
     let small = solved(grid, threads).map(cut);
-    let large = |(search, constant)| read::<i32>(grid, &search, constant);
+    let large = |(search, constant)| read::<i32>(grid, search, constant);
     Ok(small.or_else(|| solved(grid, threads).map(large)).expect("a checked grid fits 32 bits"))
 }
 
@@ -138,11 +138,16 @@ fn solved<C: Capacity>(grid: &Grid, threads: usize) -> Option<(Search<Residual<C
     Some((bands::run(Residual::new(planes), threads)?, constant))
 }
 
-/// Reads the cut of a finished search.
-fn read<C: Capacity>(grid: &Grid, search: &Search<Residual<C>>, constant: i64) -> Cut {
-    let rows = (0..grid.height).map(|y| &search.label[search.network.row(y)]);
-    let labels: Vec<bool> = rows.flatten().map(|label| label.get() > 0).collect();
-    let (flow, cut) = (constant - search.left, energy(grid, &labels));
+/// Reads the cut of a finished search, whose graph is let go before the labels are laid out.
+fn read<C: Capacity>(grid: &Grid, search: Search<Residual<C>>, constant: i64) -> Cut {
+    let flow = constant - search.left;
+    let rows: Vec<_> = (0..grid.height).map(|y| search.network.row(y)).collect();
+    let Search { label, .. } = search;
+    let mut labels = Vec::with_capacity(grid.mask.len());
+    for row in rows {
+        labels.extend(label[row].iter().map(|label| label.get() > 0));
+    }
+    let cut = energy(grid, &labels);
     debug_assert_eq!(flow, cut, "a maximal flow equals its cut");
     Cut { labels, flow, cut }
 }

@@ -39,6 +39,8 @@ pub(crate) struct Tree<A> {
     pub(crate) grown: i32,
     /// Nodes to grow, by distance modulo 2: at most two levels wait.
     pub(crate) active: [Vec<u32>; GAP as usize],
+    /// Whether the first level still grows from every root there is, without a list of them.
+    pub(crate) seeded: bool,
     /// Grown nodes whose surroundings changed: to grow again before the next level.
     pub(crate) again: Vec<u32>,
     spare: Vec<u32>,
@@ -52,6 +54,7 @@ impl<A> Default for Tree<A> {
         Self {
             grown: 0,
             active: Default::default(),
+            seeded: false,
             again: Vec::new(),
             spare: Vec::new(),
             orphans: Orphans::default(),
@@ -62,7 +65,7 @@ impl<A> Default for Tree<A> {
 
 impl<A> Tree<A> {
     fn waits(&self) -> bool {
-        !self.again.is_empty() || self.active.iter().any(|level| !level.is_empty())
+        self.seeded || !self.again.is_empty() || self.active.iter().any(|level| !level.is_empty())
     }
 
     /// Lets `v`, at `distance` above the grown levels, grow with its level.
@@ -109,10 +112,9 @@ impl<N: Network> Search<N> {
         let root = |l: &N::Label| if l.get() == 0 { N::NONE } else { N::ROOT };
         self.parent.extend(self.label.iter().map(root));
         self.trees = Default::default();
-        for v in 0..self.label.len() {
-            if self.label[v].get() != 0 {
-                self.trees[usize::from(self.label[v].get() < 0)].activate(v, 1);
-            }
+        for label in &self.label {
+            self.trees[White::INDEX].seeded |= label.get() > 0;
+            self.trees[Black::INDEX].seeded |= label.get() < 0;
         }
     }
 
@@ -155,6 +157,9 @@ impl<N: Network> Search<N> {
         }
         let spare = std::mem::take(&mut tree.spare);
         let mut active = std::mem::replace(&mut tree.active[slot], spare);
+        if std::mem::take(&mut tree.seeded) {
+            self.grow_roots::<T>();
+        }
         for (n, &v) in active.iter().enumerate() {
             if let Some(&soon) = active.get(n + AHEAD) {
                 self.network.prefetch(&self.label, soon as usize);
@@ -166,6 +171,15 @@ impl<N: Network> Search<N> {
         active.clear();
         self.trees[T::INDEX].spare = active;
         Some(())
+    }
+
+    /// Grows the first level.
+    fn grow_roots<T: Side>(&mut self) {
+        for v in 0..self.label.len() {
+            if self.distance::<T>(v) == 1 {
+                self.grow::<T>(v);
+            }
+        }
     }
 
     fn grow_again<T: Side>(&mut self) {
