@@ -13,25 +13,34 @@
 //! rows are swept four at a time. On pictures this routes most of the flow.
 
 use crate::capacity::Capacity;
+use crate::parts;
 use crate::planes::{PLANES, Planes, Row, split};
 
+/// Rows that are swept at once.
+const BUNDLE: usize = 4;
+
 /// Routes what flows along straight lines.
-pub(crate) fn route<C: Capacity>(planes: &mut Planes<C>) {
+pub(crate) fn route<C: Capacity>(planes: &mut Planes<C>, threads: usize) {
     let width = planes.width;
     if width == 0 {
         return;
     }
+    parts::each(planes.bands(threads, BUNDLE), |(_, values)| route_band(values, width));
+    for (link, step) in [(2, 0), (1, 1), (3, -1)] {
+        route_lines(planes, link, step);
+    }
+}
+
+fn route_band<C: Capacity>(values: &mut [C], width: usize) {
     let length = width * PLANES;
-    let mut bundles = planes.values().chunks_exact_mut(4 * length);
+    let mut bundles = values.chunks_exact_mut(BUNDLE * length);
     for bundle in &mut bundles {
         let mut rows = bundle.chunks_exact_mut(length);
-        route_rows([(); 4].map(|()| split(rows.next().expect("a bundle has four rows"), width)));
+        let next = |()| split(rows.next().expect("a bundle holds its rows"), width);
+        route_rows([(); BUNDLE].map(next));
     }
     for row in bundles.into_remainder().chunks_exact_mut(length) {
         route_rows([split(row, width)]);
-    }
-    for (link, step) in [(2, 0), (1, 1), (3, -1)] {
-        route_lines(planes, link, step);
     }
 }
 

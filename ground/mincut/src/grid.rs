@@ -2,7 +2,9 @@
 //!
 //! The bounds checked here are what keeps every later sum from overflowing.
 
+use crate::parts;
 use std::fmt;
+use std::ops::Range;
 
 /// The most pixels a grid may have: 2^27. Every cost then fits an `i64`, every index a `u32`.
 pub const MAX_PIXELS: usize = 1 << 27;
@@ -134,6 +136,11 @@ impl std::error::Error for GridError {}
 impl Grid<'_> {
     /// Holds the grid to the bounds that every later step relies on.
     pub(crate) fn check(&self) -> Result<(), GridError> {
+        self.check_on(1)
+    }
+
+    /// The same on up to `threads` threads.
+    pub(crate) fn check_on(&self, threads: usize) -> Result<(), GridError> {
         let (width, height) = (self.width, self.height);
         let too_many = GridError::TooManyPixels { width, height };
         let pixels = width.checked_mul(height).filter(|&n| n <= MAX_PIXELS).ok_or(too_many)?;
@@ -144,15 +151,19 @@ impl Grid<'_> {
         ];
         match lengths.into_iter().find(|&(_, got)| got != pixels) {
             Some((slice, got)) => Err(GridError::Length { slice, got, expected: pixels }),
-            None => self.check_capacities(),
+            None => self.check_capacities(threads),
         }
     }
 
     /// Finds the worst sign and size in one branch-free pass, and the culprit only if there is one.
-    fn check_capacities(&self) -> Result<(), GridError> {
-        let signs = self.terminal.as_flattened().iter().fold(0, |s, &c| s | c);
-        let bits = self.neighbour.as_flattened().iter().fold(0, |s, &c| s | c);
-        if signs >= 0 && (0..=MAX_NEIGHBOUR).contains(&bits) {
+    fn check_capacities(&self, threads: usize) -> Result<(), GridError> {
+        let is_sound = |pixels: Range<usize>| {
+            let terminal = self.terminal[pixels.clone()].as_flattened();
+            let signs = terminal.iter().fold(0, |s, &c| s | c);
+            let bits = self.neighbour[pixels].as_flattened().iter().fold(0, |s, &c| s | c);
+            signs >= 0 && (0..=MAX_NEIGHBOUR).contains(&bits)
+        };
+        if parts::each(parts::ranges(self.mask.len(), threads, 1), is_sound).iter().all(|&s| s) {
             return Ok(());
         }
         let at = |i: usize| (i % self.width, i / self.width);
@@ -179,14 +190,19 @@ pub fn energy(grid: &Grid, labels: &[bool]) -> i64 {
         [labels.len(), grid.mask.len(), grid.terminal.len(), grid.neighbour.len()] == [pixels; 4],
         "one label, mask, terminal and neighbour value a pixel"
     );
+    energy_of(grid, labels, 0..grid.height)
+}
+
+/// What some rows pay, with their links to the row below.
+pub(crate) fn energy_of(grid: &Grid, labels: &[bool], rows: Range<usize>) -> i64 {
     let mut kinds = [vec![0; grid.width + 2], vec![0; grid.width + 2]];
-    read_kinds(grid, labels, 0, &mut kinds[1]);
+    read_kinds(grid, labels, rows.start, &mut kinds[1]);
     let row = |y| {
         kinds.swap(0, 1);
         read_kinds(grid, labels, y + 1, &mut kinds[1]);
         row_energy(grid, y, &kinds[0], &kinds[1])
     };
-    (0..grid.height).map(row).sum()
+    rows.map(row).sum()
 }
 
 /// Marks row `y` with 1 for black, 2 for white, 0 for no node, framed by one pixel; a row below

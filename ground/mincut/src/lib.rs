@@ -66,6 +66,7 @@ mod labels;
 mod lattice;
 mod network;
 mod orphans;
+mod parts;
 mod planes;
 mod prefetch;
 mod proof;
@@ -120,26 +121,31 @@ pub fn solve(grid: &Grid) -> Result<Cut, GridError> {
 /// # Errors
 /// See [`solve`].
 pub fn solve_on(grid: &Grid, threads: usize) -> Result<Cut, GridError> {
-    grid.check()?;
+    grid.check_on(threads)?;
     if grid.mask.is_empty() {
         return Ok(Cut { labels: Vec::new(), flow: 0, cut: 0 });
     }
-    let cut = |(search, constant)| read::<i16>(grid, search, constant);
+    let cut = |(search, constant)| read::<i16>(grid, search, constant, threads);
     let small = solved(grid, threads).map(cut);
-    let large = |(search, constant)| read::<i32>(grid, search, constant);
+    let large = |(search, constant)| read::<i32>(grid, search, constant, threads);
     Ok(small.or_else(|| solved(grid, threads).map(large)).expect("a checked grid fits 32 bits"))
 }
 
 /// The finished search, and what its flow is less than; `None` if a value is too large for `C`.
 fn solved<C: Capacity>(grid: &Grid, threads: usize) -> Option<(Search<Residual<C>>, i64)> {
-    let mut planes = Planes::<C>::read(grid)?;
-    chain::route(&mut planes);
+    let mut planes = Planes::<C>::read(grid, threads)?;
+    chain::route(&mut planes, threads);
     let constant = planes.direct + planes.supply;
     Some((bands::run(Residual::new(planes), threads)?, constant))
 }
 
 /// Reads the cut of a finished search, whose graph is let go before the labels are laid out.
-fn read<C: Capacity>(grid: &Grid, search: Search<Residual<C>>, constant: i64) -> Cut {
+fn read<C: Capacity>(
+    grid: &Grid,
+    search: Search<Residual<C>>,
+    constant: i64,
+    threads: usize,
+) -> Cut {
     let flow = constant - search.left;
     let rows: Vec<_> = (0..grid.height).map(|y| search.network.row(y)).collect();
     let Search { label, .. } = search;
@@ -147,7 +153,8 @@ fn read<C: Capacity>(grid: &Grid, search: Search<Residual<C>>, constant: i64) ->
     for row in rows {
         labels.extend(label[row].iter().map(|label| label.get() > 0));
     }
-    let cut = energy(grid, &labels);
+    let rows = parts::ranges(grid.height, threads, 1);
+    let cut = parts::each(rows, |rows| grid::energy_of(grid, &labels, rows)).iter().sum();
     debug_assert_eq!(flow, cut, "a maximal flow equals its cut");
     Cut { labels, flow, cut }
 }

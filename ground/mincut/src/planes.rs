@@ -7,7 +7,9 @@
 
 use crate::capacity::Capacity;
 use crate::grid::Grid;
+use crate::parts;
 use crate::residual::framed;
+use std::ops::Range;
 
 /// Values of a record: eight residuals, the excess, the incoming arcs.
 pub(crate) const RECORD: usize = 10;
@@ -45,53 +47,74 @@ pub(crate) fn split<C>(values: &mut [C], width: usize) -> Row<'_, C> {
 
 impl<C: Capacity> Planes<C> {
     /// Reads a checked grid; `None` if it holds larger capacities than the type takes.
-    pub(crate) fn read(grid: &Grid) -> Option<Self> {
+    pub(crate) fn read(grid: &Grid, threads: usize) -> Option<Self> {
         let (width, height) = (grid.width, grid.height);
         let framed = framed(width, height);
         let records = vec![[C::default(); RECORD]; framed];
         let start = framed * RECORD - width * height * PLANES;
         let mut planes = Self { width, height, records, start, direct: 0, supply: 0 };
-        let mut nodes = [vec![C::default(); width + 2], vec![C::default(); width + 2]];
-        read_nodes(grid, 0, &mut nodes[1]);
-        for y in 0..height {
-            nodes.swap(0, 1);
-            read_nodes(grid, y + 1, &mut nodes[1]);
-            planes.read_row(grid, y, &nodes)?;
+        let read = |(rows, values)| read_rows(grid, rows, values);
+        for sums in parts::each(planes.bands(threads, 1), read) {
+            let [direct, supply] = sums?;
+            planes.direct += direct;
+            planes.supply += supply;
         }
         Some(planes)
+    }
+
+    /// The picture rows in one band a thread, each a multiple of `step` high, and their values.
+    pub(crate) fn bands(&mut self, threads: usize, step: usize) -> Vec<(Range<usize>, &mut [C])> {
+        let (length, ranges) = (self.width * PLANES, parts::ranges(self.height, threads, step));
+        let mut rest = self.values();
+        let band = |rows: Range<usize>| {
+            let (values, others) = std::mem::take(&mut rest).split_at_mut(rows.len() * length);
+            rest = others;
+            (rows, values)
+        };
+        ranges.into_iter().map(band).collect()
     }
 
     /// All values, picture row by picture row.
     pub(crate) fn values(&mut self) -> &mut [C] {
         &mut self.records.as_flattened_mut()[self.start..]
     }
+}
 
-    /// The values of picture row `y`.
-    pub(crate) fn row_values(&mut self, y: usize) -> &mut [C] {
-        let length = self.width * PLANES;
-        &mut self.values()[y * length..][..length]
+/// Reads some rows into their values; the sums of what no cut avoids and of positive excess.
+fn read_rows<C: Capacity>(grid: &Grid, rows: Range<usize>, values: &mut [C]) -> Option<[i64; 2]> {
+    let length = grid.width * PLANES;
+    let mut nodes = [vec![C::default(); grid.width + 2], vec![C::default(); grid.width + 2]];
+    read_nodes(grid, rows.start, &mut nodes[1]);
+    let mut sums = [0; 2];
+    for (y, values) in rows.zip(values.chunks_exact_mut(length.max(1))) {
+        nodes.swap(0, 1);
+        read_nodes(grid, y + 1, &mut nodes[1]);
+        let row = read_row(grid, y, &nodes, split(values, grid.width))?;
+        sums = [sums[0] + row[0], sums[1] + row[1]];
     }
+    Some(sums)
+}
 
-    fn read_row(&mut self, grid: &Grid, y: usize, nodes: &[Vec<C>; 2]) -> Option<()> {
-        let width = self.width;
-        let pixels = y * width..(y + 1) * width;
-        let (terminal, neighbour) = (&grid.terminal[pixels.clone()], &grid.neighbour[pixels]);
-        let row = split(self.row_values(y), width);
-        read_capacities(neighbour, nodes, row.capacity)?;
-        let mut sums = [0, 0];
-        for (x, (excess, &[white, black])) in row.excess.iter_mut().zip(terminal).enumerate() {
-            if nodes[0][x + 1] == C::default() {
-                continue;
-            }
-            let difference = bounded::<C>(grid, x, y, white - black)?;
-            sums[0] += i64::from(white.min(black));
-            sums[1] += i64::from(difference.max(0));
-            *excess = C::of(difference);
+fn read_row<C: Capacity>(
+    grid: &Grid,
+    y: usize,
+    nodes: &[Vec<C>; 2],
+    row: Row<C>,
+) -> Option<[i64; 2]> {
+    let pixels = y * grid.width..(y + 1) * grid.width;
+    let (terminal, neighbour) = (&grid.terminal[pixels.clone()], &grid.neighbour[pixels]);
+    read_capacities(neighbour, nodes, row.capacity)?;
+    let mut sums = [0; 2];
+    for (x, (excess, &[white, black])) in row.excess.iter_mut().zip(terminal).enumerate() {
+        if nodes[0][x + 1] == C::default() {
+            continue;
         }
-        self.direct += sums[0];
-        self.supply += sums[1];
-        Some(())
+        let difference = bounded::<C>(grid, x, y, white - black)?;
+        sums[0] += i64::from(white.min(black));
+        sums[1] += i64::from(difference.max(0));
+        *excess = C::of(difference);
     }
+    Some(sums)
 }
 
 /// The difference of the terminals of pixel (x, y), kept to what may ever flow through the pixel and

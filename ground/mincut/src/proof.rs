@@ -62,7 +62,7 @@ fn flow<C: Capacity>(grid: &Grid) -> Option<(Cut, Vec<[i32; 4]>)> {
         let node = search.network.row(pixel / grid.width).start + pixel % grid.width;
         links[pixel][link] = grid.neighbour[pixel][link] - search.network.link(node, link);
     }
-    Some((crate::read(grid, search, constant), links))
+    Some((crate::read(grid, search, constant, 1), links))
 }
 
 /// Checks that `cut` is the canonical minimal cut of `grid`, with the flow of [`solve_flow`] as the
