@@ -47,7 +47,40 @@ impl Solver {
     /// See [`Lattice::check`].
     pub fn new(lattice: &Lattice) -> Result<Self, GridError> {
         lattice.check()?;
-        let mut solver = Self {
+        let mut solver = Self::empty(lattice);
+        match lattice.neighbours {
+            Neighbours::Eight(Links::Symmetric(neighbour)) if is_flat(lattice) => {
+                solver.load_grid(lattice, neighbour);
+            }
+            _ => solver.load(lattice, |_, _| 0),
+        }
+        solver.solve();
+        Ok(solver)
+    }
+
+    /// Takes up a lattice and solves it, beginning with `flow(pixel, link)` on each link, links
+    /// counted as for [`Solver::set_link`], negative for flow that goes back.
+    ///
+    /// Any guess gives the same labels; a good one saves work. When frames leave a window and others
+    /// come, when links in time lead elsewhere or the picture is cropped anew, what
+    /// [`Solver::link_flow`] says of the links that stay is a good guess, and 0 for the others.
+    ///
+    /// # Errors
+    /// See [`Lattice::check`].
+    pub fn resumed(
+        lattice: &Lattice,
+        flow: impl Fn(usize, usize) -> i64,
+    ) -> Result<Self, GridError> {
+        lattice.check()?;
+        let mut solver = Self::empty(lattice);
+        solver.load(lattice, flow);
+        solver.solve();
+        Ok(solver)
+    }
+
+    /// A solver of a checked lattice, without any capacity.
+    fn empty(lattice: &Lattice) -> Self {
+        Self {
             engine: engine(lattice),
             width: lattice.width,
             height: lattice.height,
@@ -60,18 +93,10 @@ impl Solver {
             direct: 0,
             supply: 0,
             labels: vec![false; lattice.pixels()],
-        };
-        match lattice.neighbours {
-            Neighbours::Eight(Links::Symmetric(neighbour)) if is_flat(lattice) => {
-                solver.load_grid(lattice, neighbour);
-            }
-            _ => solver.load(lattice),
         }
-        solver.solve();
-        Ok(solver)
     }
 
-    fn load(&mut self, lattice: &Lattice) {
+    fn load(&mut self, lattice: &Lattice, flow: impl Fn(usize, usize) -> i64) {
         for pixel in (0..self.mask.len()).filter(|&pixel| lattice.mask[pixel]) {
             let [direct, difference] = self.stated(pixel);
             self.count(direct, difference);
@@ -80,6 +105,7 @@ impl Solver {
                 let capacity = lattice.capacity(pixel, link);
                 if capacity != [0; 2] && lattice.end(pixel, link).is_some() {
                     self.change_link(pixel, link, capacity);
+                    self.engine.send(pixel, link, flow(pixel, link));
                 }
             }
         }
@@ -271,6 +297,8 @@ trait Engine: Send {
     fn change_excess(&mut self, pixel: usize, amount: i64);
     /// Gives new capacities to a link that carries `skew` more forth than back.
     fn change_link(&mut self, pixel: usize, link: usize, skew: i64, new: [i64; 2]);
+    /// Sends flow over a link, as much of it as the link carries.
+    fn send(&mut self, pixel: usize, link: usize, flow: i64);
     /// The flow over a link that carries `skew` more forth than back.
     fn link_flow(&self, pixel: usize, link: usize, skew: i64) -> i64;
     /// Whether a pixel has a link, if only to a pixel that is no node.
@@ -318,6 +346,20 @@ impl<N: Mutable> Engine for Warm<N> {
         if old != new {
             self.search.change_capacities(v, arc, old, new);
             self.touched.extend([v as u32, w as u32]);
+        }
+    }
+
+    fn send(&mut self, pixel: usize, link: usize, flow: i64) {
+        let network = &mut self.search.network;
+        let v = network.node(pixel);
+        let arc = network.arc(v, link).expect("the caller checked the link");
+        let w = network.head(v, arc);
+        let (forth, back) = (network.residual(v, arc), network.residual(w, network.back(v, arc)));
+        let flow = flow.clamp(-back, forth);
+        if flow != 0 {
+            network.set_residuals(v, arc, [forth - flow, back + flow]);
+            network.add_excess(v, -flow);
+            network.add_excess(w, flow);
         }
     }
 

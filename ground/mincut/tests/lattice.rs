@@ -198,3 +198,42 @@ fn lattices_and_their_changes_match_the_oracle() {
 fn long_histories_match_the_oracle() {
     (0..20).for_each(|seed| follow(1 << 40 | seed, 300));
 }
+
+/// The later frames of a lattice with a new one behind them, beginning with what the links that
+/// stay carried, or with nonsense, against the oracle.
+#[test]
+fn windows_that_move_on_match_the_oracle() {
+    let mut moved = 0;
+    for seed in 0..3000 {
+        let mut dice = Dice(1 << 41 | seed);
+        let (mut problem, taste) = problem(&mut dice);
+        let solver = problem.with(Solver::new).expect("the draw keeps to the bounds");
+        let frame = problem.width * problem.height;
+        let kept = problem.mask.len() - frame;
+        moved += u64::from(kept > 0);
+        problem.terminal.rotate_left(frame);
+        problem.capacity.rotate_left(frame);
+        problem.mask.rotate_left(frame);
+        if !problem.time.is_empty() {
+            problem.time.rotate_left(frame);
+            problem.time[..frame].fill(None);
+            let anywhere = |dice: &mut Dice| dice.below(frame) as u32;
+            for link in problem.time[kept..].iter_mut().take(if kept > 0 { frame } else { 0 }) {
+                let capacity = [dice.capacity(taste.link, taste.zeros); 2];
+                *link = Some(TimeLink { to: anywhere(&mut dice), capacity });
+            }
+        }
+        if !problem.fixed.is_empty() {
+            problem.fixed.rotate_left(frame);
+        }
+        let nonsense = dice.below(2) == 0;
+        let guess = |pixel: usize, link: usize| match nonsense {
+            true => (pixel * 7 + link * 5) as i64 % 11 * i64::from(taste.link) - 40,
+            false if pixel < kept => solver.link_flow(pixel + frame, link),
+            false => 0,
+        };
+        let resumed = problem.with(|lattice| Solver::resumed(lattice, guess));
+        problem.agrees(&resumed.expect("the draw keeps to the bounds"));
+    }
+    assert!(moved > 1000, "{moved} windows had a frame that stayed");
+}
