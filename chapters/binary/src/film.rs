@@ -12,6 +12,9 @@
 //!    within the window, take the colour around them. The next window starts from that, so that
 //!    what was removed does not come back by itself.
 //!
+//! A palette of tones is a film for every step between two of them: a frame has a layer each, its
+//! cuts nested, and shares links and bonds. What is painted keeps its label.
+//!
 //! Guaranteed: a frame's labels depend on its block, its keys and their windows alone, so that any
 //! part of a film has the bytes of the whole. Not guaranteed: the least energy over the whole
 //! volume; the past is settled when the future is cut.
@@ -32,20 +35,68 @@ pub const BLOCK: usize = 16;
 
 /// A frame of a film as its cut needs it.
 pub struct Cel {
-    /// The frame's own graph.
+    /// The frame's own graph in two colours.
     pub graph: Graph,
     /// For each pixel the pixel of the frame before that shows the same material point, or
     /// [`UNLINKED`].
     pub links: Plane<u32>,
     /// The minimal cut of the frame's own graph.
     pub alone: Labels,
+    /// The steps between tones, from dark to light; none in two colours.
+    pub steps: Vec<Step>,
+    /// The labels that are painted, if any.
+    pub painted: Option<Plane<Option<bool>>>,
+}
+
+/// The step from one tone to the next, as a picture of two colours: white is the lighter one, or
+/// any that is lighter still.
+pub struct Step {
+    /// Capacities to white and to black.
+    pub terminal: Plane<[i32; 2]>,
+    /// The minimal cut with the bonds of the frame.
+    pub alone: Plane<bool>,
 }
 
 impl Cel {
-    /// A frame with its own cut.
+    /// A frame in two colours with its own cut.
     pub fn new(graph: Graph, links: Plane<u32>) -> Result<Self> {
         let alone = graph.solve()?;
-        Ok(Self { graph, links, alone })
+        Ok(Self { graph, links, alone, steps: Vec::new(), painted: None })
+    }
+
+    /// The same frame in tones, `terminals` from dark to light.
+    pub fn in_tones(mut self, terminals: Vec<Plane<[i32; 2]>>) -> Result<Self> {
+        let step = |terminal: Plane<[i32; 2]>| {
+            let graph = Graph { terminal, ..self.graph.clone() };
+            let alone = graph.solve()?.white;
+            Ok(Step { terminal: graph.terminal, alone })
+        };
+        self.steps = terminals.into_iter().map(step).collect::<Result<_>>()?;
+        Ok(self)
+    }
+
+    /// How many layers it has.
+    pub fn layers(&self) -> usize {
+        self.steps.len().max(1)
+    }
+
+    /// The terminals of a layer.
+    pub(crate) fn terminal(&self, layer: usize) -> &Plane<[i32; 2]> {
+        self.steps.get(layer).map_or(&self.graph.terminal, |step| &step.terminal)
+    }
+
+    /// A layer's own cut.
+    pub(crate) fn own(&self, layer: usize) -> &Plane<bool> {
+        self.steps.get(layer).map_or(&self.alone.white, |step| &step.alone)
+    }
+
+    /// Labels with what is painted as it is painted.
+    fn kept(&self, white: Plane<bool>) -> Plane<bool> {
+        let Some(painted) = &self.painted else { return white };
+        let labels = white.pixels().iter().zip(painted.pixels()).zip(self.graph.mask.pixels());
+        let kept =
+            labels.map(|((white, painted), mask)| painted.filter(|_| *mask).unwrap_or(*white));
+        Plane::from_pixels(white.width(), white.height(), kept.collect())
     }
 }
 
@@ -78,8 +129,8 @@ impl Plan {
     }
 }
 
-/// What takes a labelled frame: its place in the shot, its cel, its labels.
-pub type Done<'a, C> = dyn FnMut(usize, &C, &Plane<bool>) -> Result<()> + 'a;
+/// What takes a labelled frame: its place in the shot, its cel, the labels of its layers.
+pub type Done<'a, C> = dyn FnMut(usize, &C, &[Plane<bool>]) -> Result<()> + 'a;
 
 /// A film being labelled, block after block.
 pub struct Film<'a, C> {
@@ -88,8 +139,8 @@ pub struct Film<'a, C> {
     /// Frames at hand, from `first` on.
     cels: VecDeque<C>,
     first: usize,
-    /// Labels of keys that were cut already.
-    keys: BTreeMap<usize, Plane<bool>>,
+    /// Labels of keys that were cut already, by layer.
+    keys: BTreeMap<usize, Vec<Plane<bool>>>,
 }
 
 impl<'a, C: AsRef<Cel>> Film<'a, C> {
@@ -125,7 +176,11 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
             };
             self.gather(end, fetch)?;
             self.forget(t);
-            let labels = self.next(t..end, &before, key.as_ref(), run)?;
+            let mut labels = Vec::with_capacity(before.len());
+            for (layer, before) in before.iter().enumerate() {
+                let key = key.as_ref().map(|labels| &labels[layer]);
+                labels.push(self.next(t..end, layer, (before, key), run)?);
+            }
             done(t, self.cel(t), &labels)?;
             before = labels;
         }
@@ -133,25 +188,26 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         Ok(())
     }
 
-    /// The labels of a key.
+    /// The labels of a key, by layer.
     fn key(
         &mut self,
         key: usize,
         fetch: &mut dyn FnMut(usize) -> Result<C>,
         run: &Run,
-    ) -> Result<Plane<bool>> {
+    ) -> Result<Vec<Plane<bool>>> {
         if let Some(labels) = self.keys.get(&key) {
             return Ok(labels.clone());
         }
         let around = self.plan.around(key);
         self.gather(around.end, fetch)?;
-        let labels = self.cut(around.clone(), &Known::default(), run)?;
-        let graph = &self.cel(key).as_ref().graph;
-        let settled = without_islands(
-            &labels[key - around.start],
-            &graph.mask,
-            self.knobs.island_area(graph.mask.height()),
-        );
+        let mut settled = Vec::new();
+        for layer in 0..self.cel(key).as_ref().layers() {
+            let labels = self.cut(around.clone(), layer, &Known::default(), run)?;
+            let cel = self.cel(key).as_ref();
+            let mask = &cel.graph.mask;
+            let area = self.knobs.island_area(mask.height());
+            settled.push(cel.kept(without_islands(&labels[key - around.start], mask, area)));
+        }
         self.keys.insert(key, settled.clone());
         Ok(settled)
     }
@@ -160,23 +216,29 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
     fn next(
         &self,
         window: Range<usize>,
-        before: &Plane<bool>,
-        key: Option<&Plane<bool>>,
+        layer: usize,
+        (before, key): (&Plane<bool>, Option<&Plane<bool>>),
         run: &Run,
     ) -> Result<Plane<bool>> {
         let after = key.map(|labels| (&self.cel(window.end).as_ref().links, labels));
         let known = Known { before: Some(before), after };
-        let labels = self.cut(window.clone(), &known, run)?;
+        let labels = self.cut(window.clone(), layer, &known, run)?;
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
         let area = self.knobs.island_area(labels[0].height());
-        Ok(settled(&labels, &cels, before, area))
+        Ok(cels[0].kept(settled(&labels, &cels, before, area)))
     }
 
-    fn cut(&self, window: Range<usize>, known: &Known, run: &Run) -> Result<Vec<Plane<bool>>> {
+    fn cut(
+        &self,
+        window: Range<usize>,
+        layer: usize,
+        known: &Known,
+        run: &Run,
+    ) -> Result<Vec<Plane<bool>>> {
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
         run.check()?;
         let pixels = cels.iter().map(|c| c.graph.mask.len() as u64).sum();
-        run.stage("cut", pixels, || cut_window(&cels, known, self.knobs))
+        run.stage("cut", pixels, || cut_window((&cels, layer), known, self.knobs))
     }
 
     fn cel(&self, frame: usize) -> &C {

@@ -85,6 +85,17 @@ impl Flicker {
         });
     }
 
+    /// Adds the counts of another film, such as that of another step between tones.
+    pub fn join(&mut self, other: &Self) {
+        self.visible += other.visible;
+        self.flips += other.flips;
+        self.reversals += other.reversals;
+        self.tone_flips += other.tone_flips;
+        self.pops.extend(&other.pops);
+        self.energy = [self.energy[0] + other.energy[0], self.energy[1] + other.energy[1]];
+        self.lag = (self.lag.0 + other.lag.0, self.lag.1 + other.lag.1);
+    }
+
     /// Flips per visible pixel.
     pub fn flips_per_pixel(&self) -> f64 {
         self.per_pixel(self.flips)

@@ -250,6 +250,11 @@ impl Paint {
         }
     }
 
+    /// The labels that are painted.
+    pub fn drawn(&self) -> &Plane<Option<bool>> {
+        &self.drawn
+    }
+
     /// Labels with what is painted as it is painted.
     pub(crate) fn kept(&self, white: &Plane<bool>, mask: &Plane<bool>) -> Plane<bool> {
         let painted = self.drawn.zip(mask, |d, m| d.filter(|_| *m)).expect("one size");

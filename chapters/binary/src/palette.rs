@@ -11,6 +11,7 @@
 
 use crate::cut::Graph;
 use crate::exposure::{Exposure, MOST_STEPS, mixed_tone};
+use crate::film::Cel;
 use crate::island::without_islands_of;
 use crate::knob::{BinaryKnobs, scaled};
 use crate::shade::View;
@@ -129,6 +130,41 @@ pub fn colour_regions(
     let labels = Plane::from_pixels(width, height, found.labels);
     let labels = without_islands_of(&labels, &graph.mask, knobs.island_area(height));
     Ok(Coloured { labels, energy: found.energy })
+}
+
+/// Terminals for each step from one tone to the next, from dark to light, as a film labels them:
+/// those of two colours whose W - B is lowered by the step.
+pub fn step_terminals(
+    count: usize,
+    view: &View,
+    exposure: &Exposure,
+    knobs: &BinaryKnobs,
+    scale: f32,
+) -> Vec<Plane<[i32; 2]>> {
+    let covered = &view.buffer.covered;
+    let difference = terminal(&view.channels, covered, exposure, &knobs.for_tones(count));
+    let terminals = |step: &f32| {
+        let pair = |d: &f32, covered: &bool| {
+            let units = ((d - step).clamp(-4.0, 4.0) * scale).round() as i32;
+            if *covered { [units.max(0), (-units).max(0)] } else { [0; 2] }
+        };
+        difference.zip(covered, pair).expect("one picture, one size")
+    };
+    exposure.steps(count).iter().map(terminals).collect()
+}
+
+/// The tones of a frame of which each step is labelled: as many steps as are white.
+pub fn toned(steps: &[Plane<bool>], cel: &Cel, knobs: &BinaryKnobs) -> Coloured {
+    let mask = &cel.graph.mask;
+    let mut labels = mask.map(|_| 0);
+    let mut energy = 0;
+    for (white, step) in steps.iter().zip(&cel.steps) {
+        energy += Graph { terminal: step.terminal.clone(), ..cel.graph.clone() }.energy(white);
+        let passed = labels.zip(white, |l, w| l + u8::from(*w));
+        labels = passed.expect("one picture, one size");
+    }
+    let labels = without_islands_of(&labels, mask, knobs.island_area(mask.height()));
+    Coloured { labels, energy }
 }
 
 /// The price of tone l: what the binary problems pay whose step is passed, and those whose is not.

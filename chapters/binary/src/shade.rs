@@ -56,6 +56,15 @@ pub struct Weights {
     pub graph: Graph,
 }
 
+impl Weights {
+    /// Mixes in what strokes teach, and binds what they paint.
+    pub fn paint(&mut self, paint: &Paint, knobs: &BinaryKnobs) {
+        self.difference = paint.mixed(&self.difference);
+        self.graph = Graph::new(&self.graph.mask, &self.difference, &self.factors, knobs);
+        paint.bind(&mut self.graph);
+    }
+}
+
 /// Black and white for one view. `paper_is_white` says what lines are drawn against outside.
 pub fn shade(
     view: &View,
@@ -79,10 +88,7 @@ pub fn shade_painted(
     let pixels = view.buffer.covered.len() as u64;
     let mut weights = weigh(view, exposure, knobs, run)?;
     if let Some(paint) = paint {
-        weights.difference = paint.mixed(&weights.difference);
-        let covered = &view.buffer.covered;
-        weights.graph = Graph::new(covered, &weights.difference, &weights.factors, knobs);
-        paint.bind(&mut weights.graph);
+        weights.paint(paint, knobs);
     }
     let Weights { difference, factors, graph } = weights;
     let labels = run.stage("cut", pixels, || graph.solve())?;

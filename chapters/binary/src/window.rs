@@ -31,13 +31,13 @@ pub(crate) struct Known<'a> {
     pub(crate) after: Option<(&'a Plane<u32>, &'a Plane<bool>)>,
 }
 
-/// The labels of consecutive frames, cut together.
+/// The labels of a layer of consecutive frames, cut together.
 pub(crate) fn cut_window(
-    cels: &[&Cel],
+    (cels, layer): (&[&Cel], usize),
     known: &Known,
     knobs: &BinaryKnobs,
 ) -> Result<Vec<Plane<bool>>> {
-    let volume = Volume::new(cels, known, knobs);
+    let volume = Volume::new((cels, layer), known, knobs);
     let (width, height) = cels[0].graph.mask.size();
     let labels = volume.solve(width, height)?;
     Ok(labels
@@ -62,20 +62,21 @@ struct Volume<'a> {
 }
 
 impl<'a> Volume<'a> {
-    fn new(cels: &'a [&'a Cel], known: &Known, knobs: &BinaryKnobs) -> Self {
+    fn new((cels, layer): (&'a [&'a Cel], usize), known: &Known, knobs: &BinaryKnobs) -> Self {
         // Links add up over areas, as terminals do: they do not grow with the picture.
         let link = (knobs.coherence * knobs.neighbour * cels[0].graph.scale).round() as i32;
         let mut volume = Self {
             cels,
             frame: cels[0].graph.mask.len(),
             link,
-            alone: cels.iter().flat_map(|c| c.alone.white.pixels()).copied().collect(),
+            alone: cels.iter().flat_map(|c| c.own(layer).pixels()).copied().collect(),
             free: Vec::new(),
-            terminal: cels.iter().flat_map(|c| c.graph.terminal.pixels()).copied().collect(),
+            terminal: cels.iter().flat_map(|c| c.terminal(layer).pixels()).copied().collect(),
         };
         volume.free = volume.disagreements(known);
         volume.spread_along_links();
         volume.widen(scaled(MARGIN, cels[0].graph.mask.height()).ceil() as usize);
+        volume.hold_painted();
         volume.pull_of_known(known);
         volume.pull_of_neighbours();
         volume.pull_of_links();
@@ -135,6 +136,16 @@ impl<'a> Volume<'a> {
             }
             for x in 0..width {
                 widen_line(frame, x, width, height, reach);
+            }
+        }
+    }
+
+    /// What is painted stands: a frame's own cut has its label.
+    fn hold_painted(&mut self) {
+        for (cel, free) in self.cels.iter().zip(self.free.chunks_mut(self.frame.max(1))) {
+            let Some(painted) = &cel.painted else { continue };
+            for (free, painted) in free.iter_mut().zip(painted.pixels()) {
+                *free &= painted.is_none();
             }
         }
     }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic, also in its own functions")]
 
 use chiaro_basis::{Run, random};
-use chiaro_binary::{BLOCK, BinaryKnobs, Cel, Film, Flicker, Graph, Plan, Shown};
+use chiaro_binary::{BLOCK, BinaryKnobs, Cel, Film, Flicker, Graph, Plan, Shown, toned};
 use chiaro_image::Plane;
 use chiaro_trace::UNLINKED;
 
@@ -49,8 +49,8 @@ fn labelled(
             assert!(needed.contains(&i), "frame {i} is not among {needed:?}");
             Ok(Made(cel(i, knobs)))
         };
-        let mut done = |i: usize, _: &Made, labels: &Plane<bool>| {
-            out.push((i, labels.clone()));
+        let mut done = |i: usize, _: &Made, labels: &[Plane<bool>]| {
+            out.push((i, labels[0].clone()));
             Ok(())
         };
         film.label(&block, &mut fetch, &mut done, &Run::default()).unwrap();
@@ -118,4 +118,44 @@ fn islands_are_gone_from_every_frame() {
         let pieces = chiaro_image::labels::components(&white, &mask).pieces;
         assert!(pieces.iter().all(|p| !p.touches_other || p.area as f32 >= area), "frame {i}");
     }
+}
+
+/// A frame in three tones whose last column is painted white.
+fn toned_cel(frame: usize, knobs: &BinaryKnobs) -> Cel {
+    let plain = cel(frame, knobs);
+    let shifted = |step: i32| {
+        plain.graph.terminal.map(|[w, b]| {
+            let pull = w - b - step;
+            [pull.max(0), (-pull).max(0)]
+        })
+    };
+    let terminals = vec![shifted(-600), shifted(600)];
+    let painted = Plane::from_fn(SIZE.0, SIZE.1, |x, _| (x + 1 == SIZE.0).then_some(true));
+    let mut toned = plain.in_tones(terminals).unwrap();
+    toned.painted = Some(painted);
+    toned
+}
+
+#[test]
+fn tones_are_nested_and_paint_stays() {
+    let knobs = BinaryKnobs::default();
+    let plan = Plan { frames: BLOCK + 4, window: 5 };
+    let mut film: Film<'_, Made> = Film::new(plan, &knobs);
+    let mut levels = [0; 3];
+    for block in [plan.block(0), plan.block(BLOCK)] {
+        let mut done = |_: usize, made: &Made, steps: &[Plane<bool>]| {
+            let mask = &made.0.graph.mask;
+            let tones = toned(steps, &made.0, &knobs).labels;
+            for (i, tone) in tones.pixels().iter().enumerate().filter(|(i, _)| mask.pixels()[*i]) {
+                levels[usize::from(*tone)] += 1;
+                let [dark, light] = [0, 1].map(|step| steps[step].pixels()[i]);
+                assert!(dark || !light, "lighter than light, not lighter than dark");
+                assert!((i + 1) % SIZE.0 != 0 || (dark && light), "paint is gone");
+            }
+            Ok(())
+        };
+        let mut fetch = |i| Ok(Made(toned_cel(i, &knobs)));
+        film.label(&block, &mut fetch, &mut done, &Run::default()).unwrap();
+    }
+    assert!(levels.iter().all(|n| *n > 100), "{levels:?}");
 }

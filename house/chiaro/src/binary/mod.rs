@@ -149,14 +149,16 @@ pub(crate) fn shoot(
 ) -> Result<Map<String, Value>> {
     let is_film = shot.project.shot().len() > 1;
     let alone = match shot.palette(colours)? {
-        Palette::Two if shot.painting.is_none() => None,
-        Palette::Two => Some("painted strokes"),
-        _ => Some("a palette of more colours"),
+        Palette::Tones(_) if shot.painting.is_some() => Some("strokes on a palette"),
+        Palette::Two | Palette::Tones(_) => None,
+        Palette::Spots(_) => Some("a palette of spot colours"),
     };
-    if is_film && alone.is_none() {
-        return reel::shoot(shot, colours, (numbers, Labelling::of(&shot.knobs)), deliver, run);
+    let labelling = Labelling::of(&shot.knobs);
+    let in_tones = !shot.palette(colours)?.colours().is_empty();
+    if is_film && alone.is_none() && !(in_tones && labelling == Labelling::Alone) {
+        return reel::shoot(shot, colours, (numbers, labelling), deliver, run);
     }
-    if let Some(why) = alone.filter(|_| is_film && shot.knobs.coherence > 0.0) {
+    if let Some(why) = alone.filter(|_| is_film && labelling == Labelling::Windows) {
         run.warn(format!("{why}: each frame is on its own"));
     }
     let poser = shot.project.poser();

@@ -30,7 +30,10 @@ pub(crate) fn draw(
             let coloured = run.stage("cut", covered.len() as u64, || {
                 colour_regions(palette, view, &steps.graph, exposure, knobs)
             })?;
-            let tint = tinted(&coloured, palette, view, &mut steps, (knobs, colours), run);
+            let features = Features::find(&view.buffer, knobs);
+            let sheet = Tinted { palette, covered, features: &features, knobs, colours };
+            let (white, region, lines, tint) = sheet.draw(&coloured, run);
+            (steps.white, steps.region, steps.lines) = (white, region, lines);
             labels = Some(coloured.labels);
             Some(tint)
         }
@@ -54,35 +57,43 @@ pub(crate) fn draw(
     })
 }
 
-/// A labelled picture in its palette's colours with lines drawn. Regions become white where their
-/// colour is light.
-fn tinted(
-    coloured: &Coloured,
-    palette: &Palette,
-    view: &View,
-    steps: &mut Steps,
-    (knobs, colours): (&BinaryKnobs, &Colours),
-    run: &Run,
-) -> Plane<[f32; 3]> {
-    let covered = &view.buffer.covered;
-    run.stage("draw", covered.len() as u64, || {
-        let light = is_light(palette);
-        steps.white = coloured.labels.map(|l| light[usize::from(*l)]);
-        let features = Features::find(&view.buffer, knobs);
-        let paper = colours.paper_is_white();
-        (steps.region, steps.lines) = outline(&features, &steps.white, covered, paper, knobs);
-        let (w, h) = covered.size();
-        let over =
-            |white: f32| compose(&Plane::filled(w, h, white), covered, &steps.lines, knobs).white;
-        let (on_white, on_black) = (over(1.0), over(0.0));
-        let tint = tint(coloured, covered, palette, knobs);
-        Plane::from_fn(w, h, |x, y| {
-            let (one, zero, t) = (on_white[(x, y)], on_black[(x, y)], tint[(x, y)]);
-            std::array::from_fn(|c| {
-                colours.ink[c] * (1.0 - one) + t[c] * (one - zero) + colours.paper[c] * zero
-            })
+/// What a labelled picture in its palette's colours is drawn with.
+pub(super) struct Tinted<'a> {
+    pub(super) palette: &'a Palette,
+    pub(super) covered: &'a Plane<bool>,
+    pub(super) features: &'a Features,
+    pub(super) knobs: &'a BinaryKnobs,
+    pub(super) colours: &'a Colours,
+}
+
+impl Tinted<'_> {
+    /// Regions, white where their colour is light, the same with smooth borders, lines, and colours
+    /// with lines drawn.
+    pub(super) fn draw(
+        &self,
+        coloured: &Coloured,
+        run: &Run,
+    ) -> (Plane<bool>, Plane<f32>, Lines, Plane<[f32; 3]>) {
+        let Self { palette, covered, features, knobs, colours } = *self;
+        run.stage("draw", covered.len() as u64, || {
+            let light = is_light(palette);
+            let white = coloured.labels.map(|l| light[usize::from(*l)]);
+            let paper = colours.paper_is_white();
+            let (region, lines) = outline(features, &white, covered, paper, knobs);
+            let (w, h) = covered.size();
+            let over =
+                |white: f32| compose(&Plane::filled(w, h, white), covered, &lines, knobs).white;
+            let (on_white, on_black) = (over(1.0), over(0.0));
+            let tint = tint(coloured, covered, palette, knobs);
+            let tint = Plane::from_fn(w, h, |x, y| {
+                let (one, zero, t) = (on_white[(x, y)], on_black[(x, y)], tint[(x, y)]);
+                std::array::from_fn(|c| {
+                    colours.ink[c] * (1.0 - one) + t[c] * (one - zero) + colours.paper[c] * zero
+                })
+            });
+            (white, region, lines, tint)
         })
-    })
+    }
 }
 
 /// A finished frame: all that files are made of.

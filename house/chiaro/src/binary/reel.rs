@@ -3,20 +3,20 @@
 //! 1. The shot's blocks that hold a frame yet to be written are walked in order; a frame becomes a
 //!    [`Take`] (its graph, its links, what lines need) and its geometry is let go once the next
 //!    frame is linked to it.
-//! 2. [`chiaro_binary::Film`] labels the takes; a labelled take is drawn, measured and written.
+//! 2. [`chiaro_binary::Film`] labels the takes, painted ones and those of tones too; a labelled take is drawn, measured and written.
 //!
 //! Memory: two frames of geometry and at most `window` + `window` / 2 + 1 takes, some 60 bytes a
 //! pixel each, whatever the film's length. A part of a film renders, beyond its own frames, those of
 //! its blocks and of half a window around each key.
 
 use super::counts;
-use super::picture::Picture;
+use super::picture::{Picture, Tinted};
 use super::shot::Shot;
 use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Border, Cel, FeaturePairs, Features, Film, Flicker, Graph, Plan, Shown, Weights,
-    compose, outline, scaled, weigh, without_islands,
+    BinaryKnobs, Border, Cel, FeaturePairs, Features, Film, Flicker, Graph, Lines, Palette, Plan,
+    Shown, Weights, compose, outline, scaled, step_terminals, toned, weigh, without_islands,
 };
 use chiaro_image::{Plane, filter};
 use chiaro_scene::{Frame, Poser};
@@ -69,6 +69,7 @@ struct Camera<'a, 's> {
     poser: Poser<'a>,
     numbers: Vec<u32>,
     before: Option<(usize, Frame, GBuffer)>,
+    palette: Palette,
 }
 
 impl Camera<'_, '_> {
@@ -79,7 +80,12 @@ impl Camera<'_, '_> {
         let shot = self.shot;
         let frame = shot.project.pose(&self.poser, number, run);
         let view = shot.view(&frame, number, shot.camera.size, shot.exposure.shadows, run)?;
-        let Weights { factors, graph, .. } = weigh(&view, &shot.exposure, &shot.knobs, run)?;
+        let mut weights = weigh(&view, &shot.exposure, &shot.knobs, run)?;
+        let paint = shot.painting.as_ref().map(|p| p.paint(&view, number));
+        if let Some(paint) = &paint {
+            weights.paint(paint, &shot.knobs);
+        }
+        let Weights { factors, graph, .. } = weights;
         let pixels = graph.mask.len() as u64;
         let features = run.stage("lines", pixels, || Features::find(&view.buffer, &shot.knobs));
         let before = self.before.take().filter(|(i, ..)| i + 1 == index);
@@ -92,9 +98,17 @@ impl Camera<'_, '_> {
         let (close, sight) = run.stage("track", pixels, || {
             (linked(Match::Plane(OFF_PLANE)), linked(Match::Depth(SAME_DEPTH)))
         });
-        self.before = Some((index, frame, view.buffer));
         let pairs = FeaturePairs::of(&factors);
-        let cel = run.stage("cut", pixels, || Cel::new(graph, close))?;
+        let tones = self.palette.colours().len();
+        let terminals = match self.palette {
+            Palette::Tones(_) if tones > 1 => {
+                step_terminals(tones, &view, &shot.exposure, &shot.knobs, graph.scale)
+            }
+            _ => Vec::new(),
+        };
+        self.before = Some((index, frame, view.buffer));
+        let mut cel = run.stage("cut", pixels, || Cel::new(graph, close)?.in_tones(terminals))?;
+        cel.painted = paint.map(|p| p.drawn().clone());
         Ok(Take { number, cel, sight, features, pairs })
     }
 }
@@ -112,8 +126,11 @@ pub(crate) fn shoot(
     let knobs = &shot.knobs;
     let plan = Plan { frames: numbers.len(), window: knobs.window as usize };
     let is_wanted: Vec<bool> = numbers.iter().map(|n| wanted.contains(n)).collect();
-    let mut camera = Camera { shot, poser: shot.project.poser(), numbers, before: None };
-    let mut flicker = Flicker::default();
+    let palette = shot.palette(colours)?;
+    let poser = shot.project.poser();
+    let mut camera = Camera { shot, poser, numbers, before: None, palette: palette.clone() };
+    let mut flicker = vec![Flicker::default(); palette.colours().len().saturating_sub(1).max(1)];
+    let look = Sheet { palette: &palette, colours, knobs };
     if labelling != Labelling::Windows {
         for index in (0..plan.frames).filter(|i| is_wanted[*i]) {
             let take = camera.take(index, run)?;
@@ -124,8 +141,9 @@ pub(crate) fn shoot(
                     without_islands(&take.cel.alone.white, mask, knobs.island_area(mask.height()))
                 }
             };
+            let white = [white];
             measure(&mut flicker, index, &take, &white);
-            deliver(take.number, picture(&take, &white, colours, knobs, run))?;
+            deliver(take.number, look.picture(&take, &white, run))?;
         }
         return Ok(flicker_counts(&flicker));
     }
@@ -140,12 +158,12 @@ pub(crate) fn shoot(
         film.label(
             &block,
             &mut |index| camera.take(index, run),
-            &mut |index, take, white| {
-                measure(&mut flicker, index, take, white);
+            &mut |index, take, layers| {
+                measure(&mut flicker, index, take, layers);
                 if !is_wanted[index] {
                     return Ok(());
                 }
-                deliver(take.number, picture(take, white, colours, knobs, run))
+                deliver(take.number, look.picture(take, layers, run))
             },
             run,
         )?;
@@ -161,53 +179,97 @@ fn blurred(graph: &Graph) -> Plane<bool> {
     soft.zip(&graph.mask, |p, m| *m && *p > 0.0).expect("a filter keeps the size")
 }
 
-fn measure(flicker: &mut Flicker, index: usize, take: &Take, white: &Plane<bool>) {
-    let graph = &take.cel.graph;
-    flicker.add(
-        index,
-        &Shown {
+/// Measures the layers of a frame, each as a film of its own.
+fn measure(flicker: &mut [Flicker], index: usize, take: &Take, layers: &[Plane<bool>]) {
+    for (layer, (flicker, white)) in flicker.iter_mut().zip(layers).enumerate() {
+        let cel = &take.cel;
+        let step = cel.steps.get(layer);
+        let (graph, alone) = match step {
+            Some(step) => {
+                let terminal = step.terminal.clone();
+                (&Graph { terminal, ..cel.graph.clone() }, &step.alone)
+            }
+            None => (&cel.graph, &cel.alone.white),
+        };
+        let own = if step.is_some() { graph.energy(alone) } else { cel.alone.cut };
+        let shown = Shown {
             white,
             covered: &graph.mask,
             links: &take.sight,
-            alone: &take.cel.alone.white,
+            alone,
             tone: &graph.terminal.map(|[white, black]| white > black),
-            energy: [graph.energy(white), take.cel.alone.cut],
-        },
-    );
-}
-
-/// A labelled frame, drawn.
-fn picture(
-    take: &Take,
-    white: &Plane<bool>,
-    colours: &Colours,
-    knobs: &BinaryKnobs,
-    run: &Run,
-) -> Picture {
-    let graph = &take.cel.graph;
-    let pixels = white.len() as u64;
-    let (region, lines) = run.stage("lines", pixels, || {
-        outline(&take.features, white, &graph.mask, colours.paper_is_white(), knobs)
-    });
-    let marks = run.stage("draw", pixels, || compose(&region, &graph.mask, &lines, knobs));
-    let border = Border::measure(white, &graph.mask, &take.pairs);
-    let cost = (graph.energy(white) - take.cel.alone.cut) as f64 / f64::from(graph.scale);
-    let counts = counts::labelled(white, graph, &take.cel.alone, cost, &border);
-    Picture {
-        covered: graph.mask.clone(),
-        labels: white.map(|w| u8::from(*w)),
-        palette: Vec::new(),
-        white: white.clone(),
-        lines,
-        marks,
-        tint: None,
-        graph: graph.clone(),
-        cut: take.cel.alone.clone(),
-        counts,
+            energy: [graph.energy(white), own],
+        };
+        flicker.add(index, &shown);
     }
 }
 
-fn flicker_counts(flicker: &Flicker) -> Map<String, Value> {
+/// What labelled frames are drawn with.
+struct Sheet<'a> {
+    palette: &'a Palette,
+    colours: &'a Colours,
+    knobs: &'a BinaryKnobs,
+}
+
+impl Sheet<'_> {
+    /// A labelled frame, drawn.
+    fn picture(&self, take: &Take, layers: &[Plane<bool>], run: &Run) -> Picture {
+        if take.cel.steps.is_empty() {
+            self.inked(take, &layers[0], run)
+        } else {
+            self.toned(take, layers, run)
+        }
+    }
+
+    fn inked(&self, take: &Take, white: &Plane<bool>, run: &Run) -> Picture {
+        let (graph, knobs) = (&take.cel.graph, self.knobs);
+        let (region, lines) = run.stage("lines", white.len() as u64, || {
+            outline(&take.features, white, &graph.mask, self.colours.paper_is_white(), knobs)
+        });
+        let labels = white.map(|w| u8::from(*w));
+        self.finished(take, (labels, None), (white.clone(), &region, lines), run)
+    }
+
+    fn toned(&self, take: &Take, layers: &[Plane<bool>], run: &Run) -> Picture {
+        let Self { palette, colours, knobs } = *self;
+        let coloured = toned(layers, &take.cel, knobs);
+        let (covered, features) = (&take.cel.graph.mask, &take.features);
+        let (white, region, lines, tint) =
+            Tinted { palette, covered, features, knobs, colours }.draw(&coloured, run);
+        self.finished(take, (coloured.labels, Some(tint)), (white, &region, lines), run)
+    }
+
+    fn finished(
+        &self,
+        take: &Take,
+        (labels, tint): (Plane<u8>, Option<Plane<[f32; 3]>>),
+        (white, region, lines): (Plane<bool>, &Plane<f32>, Lines),
+        run: &Run,
+    ) -> Picture {
+        let Cel { graph, alone, .. } = &take.cel;
+        let marks = run
+            .stage("draw", white.len() as u64, || compose(region, &graph.mask, &lines, self.knobs));
+        let border = Border::measure(&white, &graph.mask, &take.pairs);
+        let cost = (graph.energy(&white) - alone.cut) as f64 / f64::from(graph.scale);
+        let counts = counts::labelled(&white, graph, alone, cost, &border);
+        Picture {
+            covered: graph.mask.clone(),
+            labels,
+            palette: self.palette.colours().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
+            white,
+            lines,
+            marks,
+            tint,
+            graph: graph.clone(),
+            cut: alone.clone(),
+            counts,
+        }
+    }
+}
+
+fn flicker_counts(layers: &[Flicker]) -> Map<String, Value> {
+    let mut flicker = Flicker::default();
+    layers.iter().for_each(|layer| flicker.join(layer));
     let mut counts = Map::new();
     let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
     put("flips_per_pixel", json!(flicker.flips_per_pixel()));
