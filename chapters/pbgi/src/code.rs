@@ -58,7 +58,7 @@ pub enum Gains {
 }
 
 impl Default for Recipe {
-    /// The best of those tried (`chiaro figures quantization`).
+    /// The best of those tried (`cargo bench -p chiaro-pbgi --bench codes`).
     fn default() -> Self {
         Self::residual(Gains::Colours, true, 3, 2)
     }

@@ -24,6 +24,7 @@ use crate::tree::Node;
 use chiaro_basis::Result;
 use chiaro_basis::math::{Vec3, vec3};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Bytes of a node before its code.
@@ -62,6 +63,8 @@ pub struct Compact {
     /// Records in all.
     pub records: usize,
     counts: Vec<usize>,
+    /// Where the levels of a whole part begin, and then its blocks.
+    whole: [usize; PART_LEVELS + 1],
 }
 
 /// A part's bytes.
@@ -80,8 +83,17 @@ impl Format {
     /// Bytes of a part of so many records.
     pub fn part_bytes(&self, records: usize) -> usize {
         let blocks = records.div_ceil(BLOCK);
-        let nodes: usize = (0..PART_LEVELS).map(|l| blocks.div_ceil(FAN.pow(l as u32))).sum();
-        nodes * self.node_bytes() + blocks * BLOCK_BYTES
+        self.starts(blocks)[PART_LEVELS] + blocks * BLOCK_BYTES
+    }
+
+    /// Where in a part of so many blocks its levels begin, and then its blocks.
+    fn starts(&self, blocks: usize) -> [usize; PART_LEVELS + 1] {
+        let mut starts = [0; PART_LEVELS + 1];
+        for level in 0..PART_LEVELS {
+            let nodes = blocks.div_ceil(FAN.pow(level as u32));
+            starts[level + 1] = starts[level] + nodes * self.node_bytes();
+        }
+        starts
     }
 
     /// A node's bytes.
@@ -281,12 +293,14 @@ pub struct Builder<'a> {
 impl<'a> Builder<'a> {
     /// An empty tree.
     pub fn new(format: Format) -> Self {
+        let whole = format.starts(PART_BLOCKS);
         let tree = Compact {
             format: Arc::new(format),
             parts: Vec::new(),
             crown: Vec::new(),
             records: 0,
             counts: Vec::new(),
+            whole,
         };
         let (roots, waiting) = (Vec::new(), Vec::new());
         Self { tree, roots, waiting, area: 0.0, sink: None, written: 0 }
@@ -384,30 +398,35 @@ impl Compact {
         }
         let part = |&(start, _): &(usize, usize)| Part { bytes: Arc::clone(&bytes), start };
         let parts = parts.iter().map(part).collect();
-        Some(Self { format: Arc::new(format), parts, crown, records, counts })
+        let whole = format.starts(PART_BLOCKS);
+        Some(Self { format: Arc::new(format), parts, crown, records, counts, whole })
     }
 
-    /// A node's bytes.
-    fn node_at(&self, level: usize, index: usize) -> &[u8] {
+    /// The bytes of nodes that share a parent.
+    fn nodes_at(&self, level: usize, nodes: Range<usize>) -> &[u8] {
         let stride = self.format.node_bytes();
         if level >= PART_LEVELS {
-            return &self.crown[level - PART_LEVELS][index * stride..(index + 1) * stride];
+            return &self.crown[level - PART_LEVELS][nodes.start * stride..nodes.end * stride];
         }
-        let within = FAN.pow((PART_LEVELS - 1 - level) as u32);
-        let (part, index) = (index / within, index % within);
-        let blocks = self.blocks_of(part);
-        let before: usize = (0..level).map(|l| blocks.div_ceil(FAN.pow(l as u32))).sum();
-        let at = (before + index) * stride;
-        &self.part(part)[at..at + stride]
+        // 8^(levels above): how many nodes of the level a part has.
+        let shift = FAN.ilog2() * (PART_LEVELS - 1 - level) as u32;
+        let part = nodes.start >> shift;
+        let at = self.starts(part)[level] + (nodes.start - (part << shift)) * stride;
+        &self.part(part)[at..at + nodes.len() * stride]
+    }
+
+    fn node_at(&self, level: usize, index: usize) -> &[u8] {
+        self.nodes_at(level, index..index + 1)
+    }
+
+    fn starts(&self, part: usize) -> [usize; PART_LEVELS + 1] {
+        let blocks = PART_BLOCKS.min(self.counts[0] - part * PART_BLOCKS);
+        if blocks == PART_BLOCKS { self.whole } else { self.format.starts(blocks) }
     }
 
     fn part(&self, index: usize) -> &[u8] {
         let part = &self.parts[index];
         &(*part.bytes).as_ref()[part.start..]
-    }
-
-    fn blocks_of(&self, part: usize) -> usize {
-        PART_BLOCKS.min(self.counts[0] - part * PART_BLOCKS)
     }
 
     /// Bytes of nodes, records and tables in memory, with what holds them.
@@ -430,32 +449,44 @@ impl Stored for Compact {
         &self.counts
     }
 
-    fn sphere(&self, level: usize, index: usize) -> (Vec3, f32) {
-        self.format.sphere(self.node_at(level, index))
+    fn spheres(&self, level: usize, nodes: Range<usize>, each: &mut dyn FnMut(Vec3, f32)) {
+        // Nodes of the level of parts share a parent in the crown, and lie in several parts.
+        let parts = if level == PART_LEVELS - 1 { nodes.len() } else { 1 };
+        let of_each = nodes.len() / parts.max(1);
+        for i in 0..parts {
+            let first = nodes.start + i * of_each;
+            let bytes = self.nodes_at(level, first..first + of_each);
+            for node in bytes.chunks_exact(self.format.node_bytes()) {
+                let (centre, radius) = self.format.sphere(node);
+                each(centre, radius);
+            }
+        }
     }
 
     fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
         self.format.decode(self.node_at(level, index))
     }
 
-    fn records(&self, block: usize, each: &mut dyn FnMut(&Record)) {
+    fn records(&self, block: usize, wanted: &dyn Fn(Vec3) -> bool, each: &mut dyn FnMut(&Record)) {
         let node = self.node_at(0, block);
         let (centre, radius) = self.format.sphere(node);
         let (part, within) = (block / PART_BLOCKS, block % PART_BLOCKS);
-        let blocks = self.blocks_of(part);
-        let nodes: usize = (0..PART_LEVELS).map(|l| blocks.div_ceil(FAN.pow(l as u32))).sum();
-        let at = nodes * self.format.node_bytes() + within * BLOCK_BYTES;
+        let at = self.starts(part)[PART_LEVELS] + within * BLOCK_BYTES;
         let bytes = &self.part(part)[at..at + BLOCK_BYTES];
         let gain = from_float16(u16_at(bytes, 0), self.format.top_light);
         let count = BLOCK.min(self.records - block * BLOCK);
         let area = from_float16(u16_at(node, 10), self.format.top_area) / count as f32;
         for code in bytes[2..].chunks_exact(RECORD).take(count) {
             let place = vec3(signed(code[0]), signed(code[1]), signed(code[2]));
+            let position = centre + place * (radius / 127.0);
+            if !wanted(position) {
+                continue;
+            }
             let normal = [code[3], code[4]].map(|c| from_grid(u32::from(c), 8));
             let rest = u64_at(code, 0) >> 40;
             let ratio = ((rest & 15) as f32 - 8.0) / 4.0;
             each(&Record {
-                position: centre + place * (radius / 127.0),
+                position,
                 normal: from_octahedral(normal),
                 area: if ratio == 0.0 { area } else { area * ratio.exp2() },
                 alive: [true, false],
@@ -512,10 +543,10 @@ mod tests {
         }
         for block in 0..exact.store.counts()[0] {
             let (mut a, mut b) = (Vec::new(), Vec::new());
-            exact.store.records(block, &mut |r| a.push(*r));
-            coded.store.records(block, &mut |r| b.push(*r));
+            exact.store.records(block, &|_| true, &mut |r| a.push(*r));
+            coded.store.records(block, &|_| true, &mut |r| b.push(*r));
             assert_eq!(a.len(), b.len());
-            let (_, radius) = exact.store.sphere(0, block);
+            let radius = exact.store.node(0, block).0.radius;
             for (a, b) in a.iter().zip(&b) {
                 assert!(a.position.distance(b.position) < 0.01 * radius);
                 assert!(a.normal.dot(b.normal) > 0.9998);
@@ -560,8 +591,8 @@ mod tests {
         }
         for block in 0..read.store.counts()[0] {
             let (mut a, mut b) = (Vec::new(), Vec::new());
-            read.store.records(block, &mut |r| a.push(r.radiance));
-            coded.store.records(block, &mut |r| b.push(r.radiance));
+            read.store.records(block, &|_| true, &mut |r| a.push(r.radiance));
+            coded.store.records(block, &|_| true, &mut |r| b.push(r.radiance));
             assert_eq!(a, b);
         }
     }

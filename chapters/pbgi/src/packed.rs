@@ -20,6 +20,7 @@ use crate::surfel::Surfel;
 use crate::tree::Node;
 use chiaro_basis::math::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Records of a block.
 pub const BLOCK: usize = 16;
@@ -68,12 +69,12 @@ pub trait Store: Sync + Send {
 pub trait Stored: Sync + Send {
     /// The number of nodes of each level; the last has one.
     fn counts(&self) -> &[usize];
-    /// The bounding sphere of a node.
-    fn sphere(&self, level: usize, index: usize) -> (Vec3, f32);
+    /// Calls `each` with the bounding spheres of nodes that share a parent.
+    fn spheres(&self, level: usize, nodes: Range<usize>, each: &mut dyn FnMut(Vec3, f32));
     /// A node, and its lobes.
     fn node(&self, level: usize, index: usize) -> (Node, Decoded);
-    /// Calls `each` with every record of a block.
-    fn records(&self, block: usize, each: &mut dyn FnMut(&Record));
+    /// Calls `each` with the records of a block whose positions are wanted.
+    fn records(&self, block: usize, wanted: &dyn Fn(Vec3) -> bool, each: &mut dyn FnMut(&Record));
 }
 
 /// A tree that is stored as `S` says.
@@ -90,23 +91,35 @@ impl<S: Stored> Hierarchy for Packed<S> {
         let counts = self.store.counts();
         let Some(top) = counts.len().checked_sub(1) else { return 0 };
         let mut visited = 0;
-        // Level and number of nodes to visit, the next one last.
-        let mut open = vec![(top, 0)];
-        while let Some((level, index)) = open.pop() {
-            visited += 1;
-            let (centre, radius) = self.store.sphere(level, index);
-            match chooser.verdict(centre, radius) {
-                Verdict::Leave => {}
-                Verdict::Splat => {
-                    let (node, lobes) = self.store.node(level, index);
-                    splats.extend(chooser.node(&node, |d| lobes.sent(d)));
-                }
-                Verdict::Open if level == 0 => {
-                    self.store.records(index, &mut |r| splats.extend(chooser.surfel(r)));
-                }
-                Verdict::Open => {
-                    let end = (FAN * index + FAN).min(counts[level - 1]);
-                    open.extend((FAN * index..end).rev().map(|child| (level - 1, child)));
+        let wanted = |position: Vec3| {
+            let offset = position - chooser.from;
+            let far = offset.length_squared() > chooser.near * chooser.near;
+            far && chooser.above.is_none_or(|n| offset.dot(n) > 0.0)
+        };
+        // Siblings to visit, the next ones last.
+        let mut open = vec![(top, 0..1)];
+        let mut verdicts = Vec::with_capacity(FAN);
+        while let Some((level, nodes)) = open.pop() {
+            visited += nodes.len() as u64;
+            verdicts.clear();
+            self.store.spheres(level, nodes.clone(), &mut |centre, radius| {
+                verdicts.push(chooser.verdict(centre, radius));
+            });
+            for (index, verdict) in nodes.zip(&verdicts) {
+                match verdict {
+                    Verdict::Leave => {}
+                    Verdict::Splat => {
+                        let (node, lobes) = self.store.node(level, index);
+                        splats.extend(chooser.node(&node, |d| lobes.sent(d)));
+                    }
+                    Verdict::Open if level == 0 => {
+                        let each = &mut |r: &Record| splats.extend(chooser.surfel(r));
+                        self.store.records(index, &wanted, each);
+                    }
+                    Verdict::Open => {
+                        let end = (FAN * index + FAN).min(counts[level - 1]);
+                        open.push((level - 1, FAN * index..end));
+                    }
                 }
             }
         }
@@ -261,9 +274,8 @@ impl Stored for Floats {
         &self.counts
     }
 
-    fn sphere(&self, level: usize, index: usize) -> (Vec3, f32) {
-        let node = &self.levels[level][index].0;
-        (node.centre, node.radius)
+    fn spheres(&self, level: usize, nodes: Range<usize>, each: &mut dyn FnMut(Vec3, f32)) {
+        self.levels[level][nodes].iter().for_each(|(node, _)| each(node.centre, node.radius));
     }
 
     fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
@@ -271,9 +283,9 @@ impl Stored for Floats {
         (node, Decoded { local_from_world: None, lobes })
     }
 
-    fn records(&self, block: usize, each: &mut dyn FnMut(&Record)) {
+    fn records(&self, block: usize, wanted: &dyn Fn(Vec3) -> bool, each: &mut dyn FnMut(&Record)) {
         let end = (BLOCK * block + BLOCK).min(self.records.len());
-        self.records[BLOCK * block..end].iter().for_each(each);
+        self.records[BLOCK * block..end].iter().filter(|r| wanted(r.position)).for_each(each);
     }
 }
 

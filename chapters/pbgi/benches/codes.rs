@@ -1,0 +1,158 @@
+//! What codes of lobes cost and lose: bytes a node, signal over error of all nodes' radiance in
+//! decibels, the 99th percentile of a node's own relative error, and microseconds to code a node.
+//! Books are trained on a sparse tree of 20 000 surfels, measured on a tree of 200 000.
+//! `cargo bench -p chiaro-pbgi --bench codes [SCENE...]`
+
+#![allow(clippy::print_stdout)]
+
+use chiaro_basis::math::Vec3;
+use chiaro_basis::{Result, Run};
+use chiaro_pbgi::code::{Book, Gains, Lobes, Pen, Recipe};
+use chiaro_pbgi::packed::{Packed, Record};
+use chiaro_pbgi::{Exact, LightKnobs, Lit, Spread, harmonic, prepare, sites, stream};
+use chiaro_scene::{Poser, Scene, demo};
+use chiaro_trace::{Glow, Lamp, Lights, Surfaces, Tracer, daylight};
+use std::time::Instant;
+
+type Nodes = Vec<(f32, Vec3, Exact)>;
+
+fn main() {
+    let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let defaults = ["cornell-box", "courtyard", "sphere-field"].map(String::from);
+    let scenes = if named.is_empty() { defaults.to_vec() } else { named };
+    for name in scenes {
+        match demo::scene(&name).map(|scene| measure(&name, &scene)) {
+            Some(Ok(())) => {}
+            Some(Err(e)) => println!("{name}: {e}"),
+            None => println!("{name}: no such demo scene"),
+        }
+    }
+}
+
+fn measure(name: &str, scene: &Scene) -> Result<()> {
+    let run = Run::default();
+    let sparse = records(scene, 20_000, &run)?;
+    let nodes = nodes(&records(scene, 200_000, &run)?);
+    println!("{name}: {} nodes", nodes.len());
+    println!("  {:<28} {:>6} {:>7} {:>8} {:>7}", "code", "bytes", "dB", "p99", "us");
+    let half: Vec<Exact> = nodes.iter().map(|n| halved(&n.2)).collect();
+    line("half floats", 72, errors(&nodes, &half), 0.0);
+    let mut all = Vec::new();
+    for words in [100, 1000, 10_000] {
+        all.push((format!("thesis, {words} at random"), random(Recipe::thesis(words))));
+        all.push((format!("thesis, {words}"), Recipe::thesis(words)));
+        all.push((format!("over area, {words}"), Recipe::clusters(words)));
+    }
+    all.push(("residual 4x8, area 3x8".into(), Recipe::residual(Gains::One, false, 4, 3)));
+    all.push(("the same, turned".into(), Recipe::residual(Gains::One, true, 4, 3)));
+    for (light, area) in [(1, 1), (2, 2), (3, 2), (4, 3)] {
+        let recipe = Recipe::residual(Gains::Colours, true, light, area);
+        all.push((format!("gains, turned, {light}x8 + {area}x8"), recipe));
+    }
+    for (label, recipe) in all {
+        let book = stream::book(&sparse, &recipe, &run)?;
+        let start = Instant::now();
+        let coded = coded(&book, &nodes);
+        let each = 1e6 * start.elapsed().as_secs_f64() / nodes.len() as f64;
+        line(&label, recipe.bytes(), errors(&nodes, &coded), each);
+    }
+    Ok(())
+}
+
+fn line(label: &str, bytes: usize, [snr, p99]: [f64; 2], us: f64) {
+    println!("  {label:<28} {bytes:>6} {snr:>7.1} {:>7.1}% {us:>7.2}", 100.0 * p99);
+}
+
+fn random(recipe: Recipe) -> Recipe {
+    Recipe { random: true, ..recipe }
+}
+
+/// The lit records of a scene, one bounce.
+fn records(scene: &Scene, count: usize, run: &Run) -> Result<Vec<Record>> {
+    let (playback, _) = scene.playback(&Default::default())?;
+    let frame = Poser::new(scene).frame(0.0, &playback);
+    let tracer = Tracer::new(scene, &frame);
+    let surfaces = Surfaces::new(scene);
+    let mut lights = Lights {
+        lamps: Lamp::of_frame(&frame),
+        glow: Glow::of(&tracer, &surfaces),
+        ..Lights::default()
+    };
+    if lights.is_empty() {
+        lights.lamps = vec![daylight(Vec3::new(0.4, 0.8, 0.3).normalize()).0];
+    }
+    let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
+    let knobs = LightKnobs { bounces: 1, ..LightKnobs::default() };
+    let prepared = prepare(lit, &sites(scene, &frame, count), &knobs, run)?;
+    let cube = stream::cube(&lit, &Spread::of(scene, &frame, count as u64));
+    Ok(stream::sorted(&prepared.surfels.all, &cube))
+}
+
+fn nodes(records: &[Record]) -> Nodes {
+    let mut nodes = Vec::new();
+    Packed::build(records).each_node(|node, lobes| nodes.push((node.area, node.axis, *lobes)));
+    nodes
+}
+
+fn coded(book: &Book, nodes: &Nodes) -> Vec<Exact> {
+    let (mut pen, mut code) = (Pen::default(), Vec::new());
+    let one = |(area, axis, sums): &(f32, Vec3, Exact)| {
+        code.clear();
+        book.encode(&Lobes { sums, area: *area, axis: *axis }, &mut code, &mut pen);
+        let decoded = book.decode(&code, *area, *axis);
+        // Back in the world's frame by way of values, as a gather reads them.
+        match decoded.local_from_world {
+            None => decoded.lobes,
+            Some(_) => projected(|d| decoded.sent(d)),
+        }
+    };
+    nodes.iter().map(one).collect()
+}
+
+/// The series with such values: a quadrature that is exact for the products of three bands.
+fn projected(value: impl Fn(Vec3) -> chiaro_pbgi::payload::Sent) -> Exact {
+    let mut sum = Exact::default();
+    // Gauss-Legendre in z, evenly around.
+    let rule = [(0.0, 0.568_888_9), (0.538_469_3, 0.478_628_67), (0.906_179_85, 0.236_926_89)];
+    for (z, weight) in rule.into_iter().flat_map(|(z, w)| [(z, w), (-z, w)]).skip(1) {
+        let r = f32::sqrt(1.0 - z * z);
+        for k in 0..6 {
+            let (sin, cos) = (k as f32 * std::f32::consts::TAU / 6.0).sin_cos();
+            let d = Vec3::new(r * cos, r * sin, z);
+            let (sent, basis) = (value(d), harmonic::basis(d));
+            let weight = weight * std::f32::consts::TAU / 6.0;
+            for i in 0..9 {
+                sum.area[i] += weight * sent.area * basis[i];
+                (0..3).for_each(|c| sum.light[c][i] += weight * sent.light[c] * basis[i]);
+            }
+        }
+    }
+    sum
+}
+
+/// Bits of a half float's mantissa; exponents are as wide as needed.
+fn halved(lobes: &Exact) -> Exact {
+    let half = |v: f32| f32::from_bits((v.to_bits() + (1 << 12)) & !((1 << 13) - 1));
+    Exact { area: lobes.area.map(half), light: lobes.light.map(|l| l.map(half)) }
+}
+
+/// Decibels of the light over its error, nodes over their areas; the 99th percentile of a lit
+/// node's own error.
+fn errors(nodes: &Nodes, coded: &[Exact]) -> [f64; 2] {
+    let (mut signal, mut noise, mut own) = (0.0, 0.0, Vec::new());
+    for ((area, _, lobes), coded) in nodes.iter().zip(coded) {
+        let pairs = || lobes.light.as_flattened().iter().zip(coded.light.as_flattened());
+        let square = |f: &dyn Fn(f32, f32) -> f32| {
+            pairs().map(|(a, b)| f64::from(f(*a, *b) / area).powi(2)).sum::<f64>()
+        };
+        let (there, wrong) = (square(&|a, _| a), square(&|a, b| a - b));
+        signal += there;
+        noise += wrong;
+        if there > 0.0 {
+            own.push((wrong / there).sqrt());
+        }
+    }
+    own.sort_by(f64::total_cmp);
+    let p99 = own.get(own.len() * 99 / 100).copied().unwrap_or(0.0);
+    [10.0 * (signal / f64::max(noise, f64::MIN_POSITIVE)).log10(), p99]
+}
