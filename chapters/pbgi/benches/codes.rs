@@ -21,10 +21,8 @@ fn main() {
     let defaults = ["cornell-box", "courtyard", "sphere-field"].map(String::from);
     let scenes = if named.is_empty() { defaults.to_vec() } else { named };
     for name in scenes {
-        match demo::scene(&name).map(|scene| measure(&name, &scene)) {
-            Some(Ok(())) => {}
-            Some(Err(e)) => println!("{name}: {e}"),
-            None => println!("{name}: no such demo scene"),
+        if let Err(e) = demo::scene(&name).and_then(|scene| measure(&name, &scene)) {
+            println!("{name}: {e}");
         }
     }
 }
