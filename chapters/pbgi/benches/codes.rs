@@ -119,9 +119,9 @@ fn projected(value: impl Fn(Vec3) -> chiaro_pbgi::payload::Sent) -> Exact {
             let d = Vec3::new(r * cos, r * sin, z);
             let (sent, basis) = (value(d), harmonic::basis(d));
             let weight = weight * std::f32::consts::TAU / 6.0;
-            for i in 0..9 {
-                sum.area[i] += weight * sent.area * basis[i];
-                (0..3).for_each(|c| sum.light[c][i] += weight * sent.light[c] * basis[i]);
+            for (i, b) in basis.iter().enumerate() {
+                sum.area[i] += weight * sent.area * b;
+                (0..3).for_each(|c| sum.light[c][i] += weight * sent.light[c] * b);
             }
         }
     }
