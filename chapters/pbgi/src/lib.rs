@@ -16,8 +16,9 @@
 //!    [`tree`]); what a node stores is a type parameter ([`payload`]).
 //! 5. [`cut`] chooses nodes by solid angle; they are splatted, nearest first, into a cube buffer
 //!    ([`cube`]). The near field is rays on the triangles, not discs ([`near`]).
-//! 6. [`indirect`] shares one buffer among the pixels of a tile ([`tile`]); with an error bound of
-//!    0 every pixel gathers by itself ([`pixel`]).
+//! 6. [`indirect`] shares one buffer among the pixels of a tile ([`tile`]) and short rays among those
+//!    of small blocks; with an error bound of 0 every pixel gathers by itself ([`pixel`]). The same
+//!    sums tell how open the hemisphere is.
 //!
 //! Units: radiance is linear RGB in the units of the scene's lights (candela per square metre where
 //! those are glTF's), irradiance is radiance times steradians, lengths are scene units.

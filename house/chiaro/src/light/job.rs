@@ -221,10 +221,13 @@ impl Job<'_> {
         counts.insert("samples".into(), json!(image.samples()));
         counts.insert("bounces".into(), json!(self.knobs.bounces));
         counts.insert("reference_error".into(), json!(image.relative_error(&buffer.covered)));
-        let reach = self.knobs.occlusion * buffer.radius;
-        let openness = run.stage("channels", (width * height) as u64, || {
-            ambient_occlusion(lit.tracer, buffer, reach, OCCLUSION_RAYS, run)
-        })?;
+        let openness = match self.target.extension().as_str() {
+            "exr" => run.stage("channels", (width * height) as u64, || {
+                let reach = self.knobs.occlusion * buffer.radius;
+                ambient_occlusion(lit.tracer, buffer, reach, OCCLUSION_RAYS, run)
+            })?,
+            _ => Plane::filled(width, height, 1.0),
+        };
         Ok((seen, openness, counts))
     }
 
