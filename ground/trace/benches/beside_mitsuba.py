@@ -2,7 +2,7 @@
 """The path tracer against Mitsuba 3: the mean radiance of a Cornell box, three bounces.
 
     pip install mitsuba trimesh numpy
-    python3 mitsuba.py PATH/TO/chiaro [MESH]
+    python3 beside_mitsuba.py PATH/TO/chiaro [MESH]
 
 With a mesh, that stands in the box instead of the two blocks. Both renderers get the same triangles,
 flat normals, reflectances and emission; the ratio of their means is printed for each channel.
