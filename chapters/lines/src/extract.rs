@@ -4,6 +4,7 @@ use crate::contour::Scenery;
 use crate::feature::Features;
 use crate::intersect::intersections;
 use crate::knob::{Hidden, LinesKnobs};
+use crate::mask::Masks;
 use crate::path::{Kind, Path};
 use crate::posed::Posed;
 use crate::sight::Sight;
@@ -22,6 +23,8 @@ pub struct Stage<'a> {
     pub surface: &'a Surface,
     /// Its edge lines.
     pub features: &'a Features,
+    /// Its faces with holes.
+    pub masks: &'a Masks,
     /// The knobs.
     pub knobs: &'a LinesKnobs,
 }
@@ -60,7 +63,7 @@ pub struct Lines {
 impl Lines {
     /// Finds the lines of a frame.
     pub fn find(stage: &Stage<'_>, moment: &Moment<'_>) -> Self {
-        let Stage { surface, features, knobs } = *stage;
+        let Stage { surface, features, masks, knobs } = *stage;
         let view = moment.view;
         let scenery = Scenery {
             surface,
@@ -79,7 +82,8 @@ impl Lines {
         let sight = Sight::new(surface, moment.posed, view, |face, front| {
             let source = &surface.sources[face];
             source.opaque && (source.two_sided || front != source.turned)
-        });
+        })
+        .with_masks(masks);
         if knobs.intersection {
             paths.extend(intersections(&scenery, &sight));
         }

@@ -11,6 +11,7 @@
 use crate::extract::{Lines, Moment, Stage};
 use crate::feature::Features;
 use crate::knob::LinesKnobs;
+use crate::mask::Masks;
 use crate::path::{Kind, Path};
 use crate::posed::Posed;
 use crate::slice::Slice;
@@ -96,6 +97,8 @@ pub struct Ground {
     pub surface: Surface,
     /// Its edge lines.
     pub features: Features,
+    /// Its faces with holes.
+    pub masks: Masks,
 }
 
 impl Ground {
@@ -107,7 +110,8 @@ impl Ground {
         };
         let surface = Surface::refined(scene, frame, &rule, levels);
         let features = Features::of(&surface, &crate::posed::positions(&surface, frame));
-        Self { surface, features }
+        let masks = Masks::of(scene, frame, &surface);
+        Self { surface, features, masks }
     }
 }
 
@@ -261,8 +265,12 @@ impl<'a> Tracking<'a> {
             view: &here.view,
             next: next.map(|n| (n.posed.positions.as_slice(), &n.view)),
         };
-        let stage =
-            Stage { surface: &ground.surface, features: &ground.features, knobs: self.knobs };
+        let stage = Stage {
+            surface: &ground.surface,
+            features: &ground.features,
+            masks: &ground.masks,
+            knobs: self.knobs,
+        };
         Lines::find(&stage, &moment)
     }
 

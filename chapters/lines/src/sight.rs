@@ -4,8 +4,9 @@
 //! into square tiles of it, and a point is compared with the faces of its tile alone. Faces are
 //! crossed in homogeneous coordinates, so that those that reach behind the camera need no clipping.
 
+use crate::mask::Masks;
 use crate::posed::Posed;
-use crate::surface::Surface;
+use crate::surface::{NONE, Surface};
 use crate::view::View;
 use chiaro_basis::math::DVec2;
 
@@ -23,6 +24,7 @@ pub struct Sight<'a> {
     faces: Vec<u32>,
     /// Beside each of `faces`, what it surely stays within: questions touch little else.
     bounds: Vec<Bounds>,
+    masks: Option<&'a Masks>,
 }
 
 /// Least and greatest picture position of a face, and its least depth; a little too wide.
@@ -91,7 +93,37 @@ impl<'a> Sight<'a> {
                 at[t] += 1;
             });
         }
-        Self { surface, vertices, columns, rows, start, faces, bounds }
+        Self { surface, vertices, columns, rows, start, faces, bounds, masks: None }
+    }
+
+    /// The same with holes in faces.
+    #[must_use]
+    pub fn with_masks(self, masks: &'a Masks) -> Self {
+        Self { masks: Some(masks), ..self }
+    }
+
+    /// Whether a picture position is in holes of all of these faces ([`NONE`] left out).
+    pub(crate) fn in_hole(&self, at: DVec2, faces: &[u32]) -> bool {
+        let Some(masks) = self.masks else { return false };
+        let mut real = faces.iter().copied().filter(|f| *f != NONE).peekable();
+        real.peek().is_some()
+            && real.all(|f| {
+                masks.has(f) && {
+                    let weights = self.weights(f, at).map(|w| w.max(0.0));
+                    let sum: f64 = weights.iter().sum();
+                    sum > 0.0 && masks.is_hole(f, weights.map(|w| w / sum))
+                }
+            })
+    }
+
+    /// The weights of a face's corners at a picture position, up to a factor; all of one sign where
+    /// the face covers it.
+    fn weights(&self, face: u32, at: DVec2) -> [f64; 3] {
+        let corners = self.surface.faces[face as usize].map(|v| self.vertices[v as usize]);
+        let local = corners.map(|[x, y, w, _]| [x - at.x * w, y - at.y * w]);
+        let side = |i: usize, j: usize| local[i][0] * local[j][1] - local[i][1] * local[j][0];
+        let weights = [side(1, 2), side(2, 0), side(0, 1)];
+        if weights.iter().sum::<f64>() < 0.0 { weights.map(|w| -w) } else { weights }
     }
 
     /// Whether some face other than `own` hides what is at a picture position, at least `slack`
@@ -119,12 +151,12 @@ impl<'a> Sight<'a> {
     /// The depth at which a face covers a picture position.
     fn depth(&self, face: u32, at: DVec2) -> Option<f64> {
         let corners = self.surface.faces[face as usize].map(|v| self.vertices[v as usize]);
-        let local = corners.map(|[x, y, w, _]| [x - at.x * w, y - at.y * w]);
-        let side = |i: usize, j: usize| local[i][0] * local[j][1] - local[i][1] * local[j][0];
-        let weights = [side(1, 2), side(2, 0), side(0, 1)];
-        let inside = weights.iter().all(|w| *w >= 0.0) || weights.iter().all(|w| *w <= 0.0);
+        let weights = self.weights(face, at);
         let sum: f64 = weights.iter().sum();
-        if !inside || sum == 0.0 {
+        if weights.iter().any(|w| *w < 0.0) || sum == 0.0 {
+            return None;
+        }
+        if self.masks.is_some_and(|m| m.has(face) && m.is_hole(face, weights.map(|w| w / sum))) {
             return None;
         }
         Some((0..3).map(|i| weights[i] * corners[i][3]).sum::<f64>() / sum)

@@ -86,3 +86,41 @@ fn partners_are_near_the_material_points_and_keep_ids() {
     let last = film.partners(film.frames.len() - 1);
     assert!(last.iter().flatten().all(Option::is_none));
 }
+
+#[test]
+fn holes_of_a_masked_sheet_hide_nothing_and_have_no_border() {
+    use chiaro_basis::math::vec2;
+    use chiaro_scene::{Alpha, Texture, TextureId, TextureUse};
+    // A sheet before a cube; the left half of its texture is a hole.
+    let (mut positions, mut triangles) = sheet(2, 0.0);
+    positions.iter_mut().for_each(|p| *p = *p * 2.0 + vec3(0.0, 2.0, 0.0));
+    let uv: Vec<_> = positions.iter().map(|p| vec2(0.25 * p.x + 0.5, 0.5)).collect();
+    let (cube, faces) = cube();
+    let base = positions.len() as u32;
+    positions.extend(cube.iter().map(|p| *p * 0.5));
+    triangles.extend(faces.iter().map(|f| f.map(|v| v + base)));
+    let mut scene = scene(positions, triangles, true);
+    let mut coordinates = uv;
+    coordinates.resize(scene.meshes[0].positions.len(), vec2(0.9, 0.5));
+    scene.meshes[0].uvs = vec![coordinates];
+    let texel = |x: usize, _: usize| [255, 255, 255, if x < 8 { 0 } else { 255 }];
+    scene.textures = vec![Texture {
+        name: String::new(),
+        pixels: std::sync::Arc::new(chiaro_image::Plane::from_fn(16, 1, texel)),
+        wrap: [chiaro_scene::Wrap::Clamp; 2],
+        filter: chiaro_scene::Filter::Nearest,
+    }];
+    scene.materials[0].base_texture = Some(TextureUse::plain(TextureId::new(0)));
+    scene.materials[0].alpha = Alpha::Mask(0.5);
+    let still = frame(&scene);
+    let projection = Projection::Perspective { fov_y: 0.8 };
+    let pose = Pose::look_at(vec3(0.0, 9.0, 0.1), Vec3::ZERO, Vec3::Z, projection);
+    let film = film(&scene, 1, &|_| (still.clone(), View::new(pose, (320, 240))));
+    let seen: Vec<_> = film.frames[0].strokes.iter().flat_map(|s| &s.samples).collect();
+    let low = |s: &&&chiaro_lines::Sample| s.world.y < 1.0;
+    assert!(seen.iter().any(|s| low(&s) && s.world.x < -0.3), "the cube shows through the hole");
+    assert!(!seen.iter().any(|s| low(&s) && s.world.x > 0.1), "the rest of it is hidden");
+    let high = |s: &&&chiaro_lines::Sample| s.world.y > 1.5;
+    assert!(seen.iter().any(|s| high(&s) && s.world.x > 0.5), "the sheet has its border");
+    assert!(!seen.iter().any(|s| high(&s) && s.world.x < -0.2), "but not round the hole");
+}
