@@ -51,6 +51,7 @@ impl<'a> Live<'a> {
         let stage = Stage {
             surface: &self.ground.surface,
             features: &self.ground.features,
+            masks: &self.ground.masks,
             knobs: self.knobs,
         };
         let lines = Lines::find(&stage, &Moment { posed, view, next: None });
