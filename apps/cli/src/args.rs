@@ -1,5 +1,6 @@
 //! Arguments as typed: one table for parser, help, man page and completions.
 
+use chiaro::binary::Cutting;
 use chiaro::colours::Colours;
 use chiaro::given::Maps;
 use chiaro::number::{parse_frames, parse_numbers, parse_size};
@@ -66,6 +67,8 @@ pub(crate) enum Command {
         #[command(flatten)]
         print: PrintArgs,
         #[command(flatten)]
+        stencil: StencilArgs,
+        #[command(flatten)]
         maps: MapArgs,
         #[command(flatten)]
         common: Common,
@@ -124,7 +127,7 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 2.3, 3.4 to 3.8, 3.10 to 3.16, table-3.1, 4.1 to 4.15, 4.events, 4.lines, 4.textures,
+        /// Which: 2.3, 3.4 to 3.16, table-3.1, 4.1 to 4.15, 4.events, 4.lines, 4.textures,
         /// 4.styles, 4.character, baselines, flicker, methods, strokes; none means all but the last three.
         names: Vec<String>,
         /// A scene for baselines, flicker, methods and strokes, which lay ways side by side; may be
@@ -333,7 +336,7 @@ pub(crate) struct MapArgs {
     /// For a picture: its depth, growing with distance.
     #[arg(long, value_name = "FILE")]
     depth: Option<PathBuf>,
-    /// For a picture: a map of lines to be drawn on top of PNG, PBM and TIFF.
+    /// For a picture: a map of lines to be drawn on top.
     #[arg(long, value_name = "FILE")]
     discontinuity: Option<PathBuf>,
     /// Paint: a text file of strokes, lines such as `white 6 120,80 140,90` (label white, black or
@@ -395,6 +398,28 @@ impl PrintArgs {
         };
         let pen = self.pen.as_deref().map(|p| length("--pen", p, 0.02..=50.0)).transpose()?;
         Ok(Print { sheet, pen })
+    }
+}
+
+/// Stencils.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct StencilArgs {
+    /// Make a stencil: holes where the ink is, in a sheet of one piece, held by bridges of this
+    /// width, as in 2mm.
+    #[arg(long, value_name = "LENGTH")]
+    stencil: Option<String>,
+    /// Holes and loose parts of a stencil smaller than a disc of this diameter are left out.
+    #[arg(long, value_name = "LENGTH", default_value = "2mm", requires = "stencil")]
+    smallest_part: String,
+}
+
+impl StencilArgs {
+    /// What the arguments mean.
+    pub(crate) fn cutting(&self) -> Result<Option<Cutting>> {
+        let Some(bridge) = &self.stencil else { return Ok(None) };
+        let bridge = length("--stencil", bridge, 0.01..=500.0)?;
+        let part = length("--smallest-part", &self.smallest_part, 0.0..=500.0)?;
+        Ok(Some(Cutting { bridge, part }))
     }
 }
 

@@ -25,7 +25,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             let target = Target::parse(output, project.frames().len())?;
             gbuffer::Job { project: &project, target }.run(run).map(Some)
         }
-        Command::Binary { scene, output, ink, print, maps, dump_graph, .. } => {
+        Command::Binary { scene, output, ink, print, stencil, maps, dump_graph, .. } => {
             let options = scene.options()?;
             let (style, knobs) = knobs(ink)?;
             let frames = options.frames.as_ref().map_or(1, Vec::len);
@@ -37,6 +37,7 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 colours: ink.colours.colours(&style)?,
                 print: print.print()?,
                 painting: maps.painting()?,
+                stencil: stencil.cutting()?,
             };
             let maps = maps.maps();
             if given::is_picture(&scene.scene) {
@@ -220,6 +221,14 @@ fn print(bytes: &[u8]) -> Result<Option<Record>> {
     }
 }
 
+/// What holds a stencil together, if the record is of one.
+fn of_stencil(record: &Record) -> String {
+    let count = |name: &str| record.counts.get(name).and_then(serde_json::Value::as_f64);
+    let all = [count("bridges"), count("bridges_mm"), count("stencil_energy")];
+    let [Some(bridges), Some(length), Some(energy)] = all else { return String::new() };
+    format!(": one piece, {bridges} bridges ({length:.1} mm in all), energy +{energy:.1}")
+}
+
 /// What a command says at its end, for people.
 pub(crate) fn summary(command: &Command, record: &Record) -> String {
     let quiet = command.common().is_some_and(|c| c.quiet);
@@ -235,7 +244,7 @@ pub(crate) fn summary(command: &Command, record: &Record) -> String {
         }
         _ => match record.outputs.as_slice() {
             [] => String::new(),
-            [one] => format!("{}\n", one.path.display()),
+            [one] => format!("{}{}\n", one.path.display(), of_stencil(record)),
             [first, .., last] => format!(
                 "{} files, {} to {}\n",
                 record.outputs.len(),

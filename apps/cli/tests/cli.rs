@@ -56,6 +56,31 @@ fn a_picture_is_the_same_for_any_number_of_threads() {
 }
 
 #[test]
+fn a_stencil_is_one_piece_and_says_what_it_cost() {
+    let dir = folder();
+    let with = |extra: &[&str]| {
+        let start = ["binary", "cube.obj", "--size", "200x160", "--paper", "A4", "--json", "-"];
+        chiaro(dir.path(), &[&start[..], extra].concat())
+    };
+    for file in ["a.png", "a.svg", "a.pbm", "a.tif"] {
+        let output = with(&["--stencil", "4mm", "--smallest-part", "5mm", "-o", file]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let record: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(record["counts"]["bridges"].as_u64().is_some());
+        assert!(record["counts"]["stencil_energy"].as_f64().unwrap().is_finite());
+        assert_eq!(record["settings"]["stencil"]["bridge"], 4.0);
+    }
+    let svg = std::fs::read_to_string(dir.path().join("a.svg")).unwrap();
+    assert!(svg.contains("holes") && !svg.contains("<rect"));
+    let thin = with(&["--stencil", "0.1mm", "-o", "b.png"]);
+    assert_eq!(thin.status.code(), Some(1));
+    assert!(stderr(&thin).contains("or a larger --size"), "{}", stderr(&thin));
+    let many = with(&["--stencil", "4mm", "--set", "palette=4", "-o", "b.png"]);
+    assert!(stderr(&many).contains("a stencil has one ink"), "{}", stderr(&many));
+    assert!(!dir.path().join("b.png").exists());
+}
+
+#[test]
 fn the_record_has_its_keys() {
     let dir = folder();
     let args = ["binary", "cube.obj", "-o", "a.pbm", "--size", "96x96", "--json", "-", "-q"];

@@ -116,6 +116,7 @@ knobs! {
         line_silhouette: bool = true, Switch, "", "", "whether the outline is drawn where the region is white";
         line_white: bool = true, Switch, "", "", "whether lines inside black are white";
         line_black: bool = true, Switch, "", "", "whether lines inside white are black";
+        halo: f32 = 0.0, Number { min: 0.0, max: 100.0 }, "", "px at 480", "white gap behind what occludes, whatever the label there; 0: none";
         line_shortest: f32 = 8.0, Number { min: 0.0, max: 1000.0 }, "", "px at 480", "shorter runs of line are dropped";
 
         vector_tolerance: f32 = 0.04, Number { min: 0.001, max: 10.0 }, "", "px at 480", "how far curves of an SVG may be from the smoothed borders";

@@ -6,6 +6,7 @@
 //! region is white.
 
 use crate::geometry::{angle, depth_step};
+use crate::halo::behind;
 use crate::knob::{BinaryKnobs, DepthForm, scaled};
 use chiaro_basis::math::Vec3;
 use chiaro_image::Plane;
@@ -64,6 +65,7 @@ impl Lines {
             let marked = |x: usize, y: usize, axis: usize| {
                 let q = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
                 let feature = features.marks[(x, y)] & (1 << axis) != 0;
+                let feature = feature && !(features.in_halo((x, y)) && features.in_halo(q));
                 feature && label((x, y)) == side && label(q) == side
             };
             Cracks::mark(w, h, marked).joined(least, gap, shortest, rounds)
@@ -82,6 +84,8 @@ impl Lines {
 pub struct Features {
     /// Bit 0: between a pixel and its right neighbour; bit 1: and its lower one.
     pub marks: Plane<u8>,
+    /// The gaps behind what occludes, if there are any.
+    pub halo: Option<Plane<bool>>,
 }
 
 impl Features {
@@ -104,11 +108,35 @@ impl Features {
                 *mark = u8::from(right) | u8::from(below) << 1;
             }
         });
-        Self { marks: Plane::from_pixels(w, h, marks) }
+        let halo = behind(buffer, &finder, knobs);
+        Self { marks: Plane::from_pixels(w, h, marks), halo }
+    }
+
+    /// Labels with the gaps white.
+    pub fn haloed(&self, white: &Plane<bool>) -> Plane<bool> {
+        match &self.halo {
+            Some(halo) => white.zip(halo, |w, gap| *w || *gap).expect("one picture, one size"),
+            None => white.clone(),
+        }
+    }
+
+    /// Labels of a palette with the gaps in its `lightest` colour.
+    pub fn lightened(&self, labels: &Plane<u8>, lightest: u8) -> Plane<u8> {
+        match &self.halo {
+            Some(halo) => {
+                let paint = |l: &u8, gap: &bool| if *gap { lightest } else { *l };
+                labels.zip(halo, paint).expect("one picture, one size")
+            }
+            None => labels.clone(),
+        }
+    }
+
+    fn in_halo(&self, p: Pixel) -> bool {
+        self.halo.as_ref().is_some_and(|halo| halo[p])
     }
 }
 
-struct Finder<'a> {
+pub(crate) struct Finder<'a> {
     buffer: &'a GBuffer,
     knobs: &'a BinaryKnobs,
     /// Normals whose cosine is greater make no crease.
@@ -134,7 +162,7 @@ impl Finder<'_> {
     }
 
     /// A depth step. On what is nearly edge-on a pixel's own depth range is no step.
-    fn is_step(&self, p: Pixel, q: Pixel) -> bool {
+    pub(crate) fn is_step(&self, p: Pixel, q: Pixel) -> bool {
         let step = depth_step(self.buffer, p, q, DepthForm::Plane);
         let limit = self.knobs.line_depth * self.buffer.radius;
         step > limit && step > 2.0 * self.depth_range(p).min(self.depth_range(q))

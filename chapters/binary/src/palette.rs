@@ -76,6 +76,16 @@ impl Palette {
     }
 }
 
+impl Palette {
+    /// The place of its lightest colour; 1, paper, of ink and paper.
+    pub fn lightest(&self) -> u8 {
+        let lightness = |c: &[f32; 3]| oklab(c.map(srgb_decode))[0];
+        let by_lightness = |a: &(usize, f32), b: &(usize, f32)| a.1.total_cmp(&b.1);
+        let all = self.colours().iter().map(lightness).enumerate();
+        all.max_by(by_lightness).map_or(1, |(i, _)| i as u8)
+    }
+}
+
 fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }

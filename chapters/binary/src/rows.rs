@@ -7,6 +7,9 @@
 //! 2. One loop an edge direction yields N from differences of slices. N0 and N1 share one
 //!    exponential; the angle and the normal of the midpoint share n + m.
 //!
+//! 3. The loop is compiled twice, for what every machine of its kind has and for the wide vectors of
+//!    most; the operations are the same, and so are the bytes.
+//!
 //! Guaranteed: within 1e-3 of the edge-by-edge form, and the same bytes for any number of threads.
 //!
 //! [`neighbour_factors`]: crate::neighbour_factors
@@ -49,7 +52,7 @@ pub(crate) fn factors(
                     let other = if EDGES[e].1 == 0 { &here } else { &below };
                     let out = &mut edge[start..(start + STRIP).min(width)];
                     let q = (start + 1).wrapping_add_signed(EDGES[e].0);
-                    weigh((&here, start + 1), (other, q), &scales[e], out);
+                    weigh_widely((&here, start + 1), (other, q), &scales[e], out);
                 }
             }
             let [a, b, c, d] = &edges;
@@ -162,8 +165,29 @@ impl Scales {
     }
 }
 
+/// [`weigh`] in the widest vectors that the machine has.
+fn weigh_widely(p: (&Row, usize), q: (&Row, usize), scales: &Scales, out: &mut [f32]) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(
+            unsafe_code,
+            reason = "a third less time; the machine was asked for what it needs"
+        )]
+        // SAFETY: the machine has AVX2, which is all that the function asks for.
+        return unsafe { weigh_in_eights(p, q, scales, out) };
+    }
+    weigh(p, q, scales, out);
+}
+
+/// [`weigh`], compiled for vectors of eight.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn weigh_in_eights(p: (&Row, usize), q: (&Row, usize), scales: &Scales, out: &mut [f32]) {
+    weigh(p, q, scales, out);
+}
+
 /// N of the edges between the entries of two rows, from a place in each on.
-#[inline(never)]
+#[inline(always)]
 fn weigh((p, start): (&Row, usize), (q, shift): (&Row, usize), scales: &Scales, out: &mut [f32]) {
     let n = out.len();
     let s = scales;
@@ -230,6 +254,31 @@ fn exp_minus(s: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn wide_vectors_give_the_same_bytes() {
+        let n = 101;
+        let noise = |seed: u64| -> Vec<f32> {
+            (0..n + 2).map(|i| 2.0 * chiaro_basis::random::unit(seed, i as u64) - 1.0).collect()
+        };
+        let row = |s: u64| Row {
+            normal: [noise(s), noise(s + 1), noise(s + 2)],
+            mean: [noise(s + 3), noise(s + 4), noise(s + 5)],
+            plane: [noise(s + 6), noise(s + 7), noise(s + 8)],
+            position: [noise(s + 9), noise(s + 10), noise(s + 11)],
+            cover: noise(s + 12).iter().map(|v| f32::from(u8::from(*v > -0.8))).collect(),
+            object: noise(s + 13).iter().map(|v| u32::from(*v > 0.0)).collect(),
+            material: noise(s + 14).iter().map(|v| u32::from(*v > 0.0)).collect(),
+        };
+        let (p, q) = (row(1), row(50));
+        for edge in 0..4 {
+            let scales = Scales::new(3.0, 5.0, edge, &BinaryKnobs::default());
+            let (mut wide, mut plain) = (vec![0.0; n], vec![0.0; n]);
+            weigh_widely((&p, 1), (&q, 2), &scales, &mut wide);
+            weigh((&p, 1), (&q, 2), &scales, &mut plain);
+            assert_eq!(wide, plain);
+        }
+    }
 
     #[test]
     fn the_polynomials_are_close() {

@@ -14,9 +14,11 @@ use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_ink::smooth_coverage;
 use chiaro_trace::GBuffer;
+use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
 /// One picture's input: geometry and appearance.
+#[derive(Clone)]
 pub struct View {
     /// What the camera sees.
     pub buffer: GBuffer,
@@ -24,12 +26,18 @@ pub struct View {
     pub channels: Channels,
 }
 
-/// Everything between input and picture.
+/// What the cut and the lines need of a view.
+pub struct Prepared {
+    /// The graph in integers, painted pixels bound.
+    pub graph: Graph,
+    /// Which pairs of pixels are features.
+    pub pairs: FeaturePairs,
+    /// Where lines may run.
+    pub features: Features,
+}
+
+/// Everything between the cut and the picture.
 pub struct Steps {
-    /// W - B (3.1).
-    pub difference: Plane<f32>,
-    /// Neighbour weights relative to N~ (3.2), to E, SE, S, SW.
-    pub factors: Plane<[f32; 4]>,
     /// The graph in integers.
     pub graph: Graph,
     /// The minimal cut of that graph.
@@ -40,6 +48,8 @@ pub struct Steps {
     pub island_energy: f64,
     /// How much of the border runs on features.
     pub border: Border,
+    /// What is shown of them: white, too, in the haloes of what occludes.
+    pub shown: Plane<bool>,
     /// How white each pixel is once the borders are smooth.
     pub region: Plane<f32>,
     /// Lines on top.
@@ -73,39 +83,77 @@ pub fn shade(
     paper_is_white: bool,
     run: &Run,
 ) -> Result<Steps> {
-    shade_painted(view, exposure, knobs, None, paper_is_white, run)
+    let prepared = prepare(Cow::Borrowed(view), exposure, knobs, None, run)?;
+    prepared.cut(None, paper_is_white, knobs, run)
 }
 
-/// [`shade`] with strokes painted on the view.
-pub fn shade_painted(
-    view: &View,
+/// Weights, graph and features of a view, with strokes painted on it. An owned view is let go as
+/// soon as each part has served, so that large pictures need memory for the geometry or for the
+/// cut, not for both.
+pub fn prepare(
+    view: Cow<'_, View>,
     exposure: &Exposure,
     knobs: &BinaryKnobs,
     paint: Option<&Paint>,
-    paper_is_white: bool,
     run: &Run,
-) -> Result<Steps> {
+) -> Result<Prepared> {
     let pixels = view.buffer.covered.len() as u64;
-    let mut weights = weigh(view, exposure, knobs, run)?;
-    if let Some(paint) = paint {
-        weights.paint(paint, knobs);
-    }
-    let Weights { difference, factors, graph } = weights;
-    let labels = run.stage("cut", pixels, || graph.solve())?;
-    run.check()?;
-    let area = knobs.island_area(view.buffer.size().1);
-    let mut white = without_islands(&labels.white, &graph.mask, area);
-    if let Some(paint) = paint {
-        white = paint.kept(&white, &graph.mask);
-    }
-    let added = if area > 0.0 { graph.energy(&white) - labels.cut } else { 0 };
-    let border = Border::measure(&white, &graph.mask, &FeaturePairs::of(&factors));
-    let (region, lines) = run.stage("lines", pixels, || {
-        let features = Features::find(&view.buffer, knobs);
-        outline(&features, &white, &graph.mask, paper_is_white, knobs)
+    let difference = run.stage("weights", pixels, || {
+        terminal(&view.channels, &view.buffer.covered, exposure, knobs)
     });
-    let island_energy = added as f64 / f64::from(graph.scale);
-    Ok(Steps { difference, factors, graph, labels, white, island_energy, border, region, lines })
+    run.check()?;
+    let view = without_channels(view);
+    let features = run.stage("lines", pixels, || Features::find(&view.buffer, knobs));
+    run.stage("weights", pixels, || {
+        let factors = neighbour_factors(&view.buffer, knobs);
+        let covered = view.buffer.covered.clone();
+        drop(view);
+        let difference = match paint {
+            Some(paint) => paint.mixed(&difference),
+            None => difference,
+        };
+        let mut graph = Graph::new(&covered, &difference, &factors, knobs);
+        if let Some(paint) = paint {
+            paint.bind(&mut graph);
+        }
+        Ok(Prepared { graph, pairs: FeaturePairs::of(&factors), features })
+    })
+}
+
+fn without_channels(view: Cow<'_, View>) -> Cow<'_, View> {
+    match view {
+        Cow::Owned(view) => Cow::Owned(View { buffer: view.buffer, channels: Channels::default() }),
+        borrowed => borrowed,
+    }
+}
+
+impl Prepared {
+    /// Cuts, removes islands, draws lines.
+    pub fn cut(
+        self,
+        paint: Option<&Paint>,
+        paper_is_white: bool,
+        knobs: &BinaryKnobs,
+        run: &Run,
+    ) -> Result<Steps> {
+        let Self { graph, pairs, features } = self;
+        let pixels = graph.mask.len() as u64;
+        let labels = run.stage("cut", pixels, || graph.solve())?;
+        run.check()?;
+        let area = knobs.island_area(graph.mask.height());
+        let mut white = without_islands(&labels.white, &graph.mask, area);
+        if let Some(paint) = paint {
+            white = paint.kept(&white, &graph.mask);
+        }
+        let added = if area > 0.0 { graph.energy(&white) - labels.cut } else { 0 };
+        let border = Border::measure(&white, &graph.mask, &pairs);
+        let (shown, (region, lines)) = run.stage("lines", pixels, || {
+            let outlined = outline(&features, &white, &graph.mask, paper_is_white, knobs);
+            (features.haloed(&white), outlined)
+        });
+        let island_energy = added as f64 / f64::from(graph.scale);
+        Ok(Steps { graph, labels, white, island_energy, border, shown, region, lines })
+    }
 }
 
 /// Terminal and neighbour weights, and the graph that they make.
@@ -130,7 +178,8 @@ pub fn outline(
     paper_is_white: bool,
     knobs: &BinaryKnobs,
 ) -> (Plane<f32>, Lines) {
-    let region = smooth_coverage(white, covered, scaled(knobs.smooth, covered.height()));
+    let white = features.haloed(white);
+    let region = smooth_coverage(&white, covered, scaled(knobs.smooth, covered.height()));
     let shown = region.map(|w| *w >= 0.5);
     let lines = Lines::between(features, &shown, covered, paper_is_white, knobs);
     (region, lines)

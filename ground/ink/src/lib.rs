@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! labels --border--> smooth coverage            cracks --chain--> polylines --draw--> coverage
-//! labels --soften, partition, fit--> regions --+
+//! labels --soften, partition, fit--> regions --+            ink, prices --stencil--> a sheet in one piece
 //!     regions --hatch--> strokes, polylines --fit, travel--> strokes --> Drawing --> SVG
 //! ```
 //!
@@ -21,6 +21,7 @@ mod paper;
 mod partition;
 mod path;
 mod soften;
+mod stencil;
 mod stroke;
 mod svg;
 mod travel;
@@ -34,5 +35,6 @@ pub use paper::{Placement, Sheet, length};
 pub use partition::{Partition, Region};
 pub use path::{Path, Point, Segment};
 pub use soften::{NOTHING, Soft};
+pub use stencil::{Bridge, Stencil, StencilForm, stencil};
 pub use stroke::draw;
 pub use travel::{Plan, joined, plan, route};

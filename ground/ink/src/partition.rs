@@ -13,6 +13,7 @@
 use crate::fit::{Fit, fit};
 use crate::{Path, Point};
 use chiaro_image::Plane;
+use chiaro_image::labels::{Piece, components_by_sides};
 use std::collections::HashMap;
 
 /// Regions and the borders that they share.
@@ -43,9 +44,11 @@ impl Partition {
         let chains = Chains::walk(&cracks);
         let nodes = NodePoints { cracks: &cracks, crossing: &crossing };
         let borders = chains.list.iter().map(|c| nodes.path(c, how)).collect();
-        let (ids, mut regions) = flood(labels);
+        let pieces = components_by_sides(labels, &labels.map(|_| true));
+        let region = |p: &Piece<u8>| Region { label: p.label, area: p.area, rings: Vec::new() };
+        let mut regions: Vec<Region> = pieces.pieces.iter().map(region).collect();
         for ring in chains.rings(&cracks) {
-            let id = ids[ring.inside] as usize;
+            let id = pieces.ids[ring.inside] as usize;
             regions[id].rings.push(ring.borders);
         }
         Self { borders, regions }
@@ -321,39 +324,6 @@ impl<F: Fn(Pixel, Pixel) -> f64> NodePoints<'_, F> {
             points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64
         })
     }
-}
-
-/// Numbers the 4-connected pieces, in reading order.
-fn flood(labels: &Plane<u8>) -> (Plane<u32>, Vec<Region>) {
-    const UNSEEN: u32 = u32::MAX;
-    let (w, h) = labels.size();
-    let mut ids = Plane::filled(w, h, UNSEEN);
-    let mut regions: Vec<Region> = Vec::new();
-    let mut stack = Vec::new();
-    for start in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
-        if ids[start] != UNSEEN {
-            continue;
-        }
-        let (id, label) = (regions.len() as u32, labels[start]);
-        let mut area = 0;
-        ids[start] = id;
-        stack.push(start);
-        while let Some((x, y)) = stack.pop() {
-            area += 1;
-            for (dx, dy) in STEPS {
-                let (u, v) = (x as isize + dx, y as isize + dy);
-                if labels.at(u, v) == Some(&label) {
-                    let at = (u as usize, v as usize);
-                    if ids[at] == UNSEEN {
-                        ids[at] = id;
-                        stack.push(at);
-                    }
-                }
-            }
-        }
-        regions.push(Region { label, area, rings: Vec::new() });
-    }
-    (ids, regions)
 }
 
 #[cfg(test)]

@@ -42,7 +42,8 @@ fn capsule(plane: &mut Plane<f32>, a: [f32; 2], b: [f32; 2], radius: f32) {
     }
 }
 
-fn distance(p: [f32; 2], a: [f32; 2], b: [f32; 2]) -> f32 {
+/// From a point to a segment.
+pub(crate) fn distance(p: [f32; 2], a: [f32; 2], b: [f32; 2]) -> f32 {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let (px, py) = (p[0] - a[0], p[1] - a[1]);
     let length2 = dx * dx + dy * dy;

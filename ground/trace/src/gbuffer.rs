@@ -127,6 +127,15 @@ impl GBuffer {
         })
     }
 
+    /// Lets go of what only light and motion need: the planes of hits, base colours, roughness and
+    /// emission are empty afterwards.
+    pub fn forget_light(&mut self) {
+        self.hit = Plane::from_pixels(0, 0, Vec::new());
+        self.base_colour = Plane::default();
+        self.roughness = Plane::default();
+        self.emissive = Plane::default();
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> (usize, usize) {
         self.covered.size()

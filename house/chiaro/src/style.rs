@@ -38,7 +38,7 @@ struct Parts {
 }
 
 /// The styles that ship with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 24] = [
+pub const BUILT_IN: [(&str, &str); 26] = [
     ("ink", include_str!("../styles/ink.toml")),
     ("brush", include_str!("../styles/brush.toml")),
     ("etched", include_str!("../styles/etched.toml")),
@@ -51,6 +51,8 @@ pub const BUILT_IN: [(&str, &str); 24] = [
     ("pen", include_str!("../styles/pen.toml")),
     ("shadow", include_str!("../styles/shadow.toml")),
     ("lino", include_str!("../styles/lino.toml")),
+    ("blueprint", include_str!("../styles/blueprint.toml")),
+    ("grisaille", include_str!("../styles/grisaille.toml")),
     ("charcoal", include_str!("../styles/charcoal.toml")),
     ("pencil", include_str!("../styles/pencil.toml")),
     ("chalk", include_str!("../styles/chalk.toml")),

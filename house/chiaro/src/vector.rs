@@ -4,8 +4,10 @@
 //! 1. The labels are smoothed as the picture is, and their borders traced once each.
 //! 2. Fills: one path a region with its holes, one layer a colour.
 //!    With a pen: each colour but the paper's is hatched, the wider apart the lighter it is.
+//!    A stencil: its holes alone, filled, or their outlines where there is a pen.
 //! 3. Lines: joined within 0.1 mm, fitted to 0.05 mm, ordered for little travel, one layer a pen.
 
+use crate::binary::{Cutting, Look};
 use crate::colours::Colours;
 use chiaro_basis::Result;
 use chiaro_binary::{BinaryKnobs, Lines, scaled};
@@ -49,6 +51,8 @@ pub struct Plate<'a> {
     pub colours: &'a [Colour],
     /// Lines on top.
     pub lines: &'a Lines,
+    /// A map of lines over all: 0 none, 1 ink, 2 paper, and the sigma in pixels that smooths it.
+    pub map: Option<&'a (Plane<u8>, f32)>,
     /// Colours of lines and background.
     pub scheme: &'a Colours,
 }
@@ -84,11 +88,58 @@ pub(crate) fn layers(
     pen: Option<f64>,
     place: &Placement,
 ) -> (Vec<Layer>, Travel) {
-    let regions = Regions::trace(plate, knobs, place);
-    match pen {
+    let sigma = scaled(knobs.smooth, plate.labels.height());
+    let count = plate.colours.len();
+    let regions = Regions::trace(plate.labels, plate.covered, count, sigma, (knobs, place));
+    let (mut layers, travel) = match pen {
         None => fill(plate, &regions, place),
         Some(pen) => Plotter { plate, knobs, place, pen }.layers(&regions),
+    };
+    if let Some((map, sigma)) = plate.map {
+        let lines = Regions::trace(map, &map.map(|_| true), 3, *sigma, (knobs, place));
+        layers.extend(mapped(lines, plate.scheme, pen, layers.len()));
     }
+    (layers, travel)
+}
+
+/// A stencil as a whole SVG file: a layer of its holes, each one closed path with what stands in it;
+/// filled, or with a pen as outlines for the blade.
+///
+/// # Errors
+/// [`chiaro_basis::Error::Setting`] when the margins leave nothing of the paper.
+pub fn stencil(
+    sheet: &Plane<bool>,
+    cutting: &Cutting,
+    look: &Look<'_>,
+    (title, recipe): (&str, &str),
+) -> Result<String> {
+    let place = look.print.sheet.place(sheet.size())?;
+    let labels = sheet.map(|s| u8::from(*s));
+    let covered = sheet.map(|_| true);
+    let ink = look.colours.ink;
+    // Smoothing leaves bars alone that are several times as wide.
+    let sigma =
+        scaled(look.knobs.smooth, sheet.height()).min((cutting.bridge / place.scale) as f32 / 5.0);
+    let how = (look.knobs, &place);
+    let holes = Regions::trace(&labels, &covered, 2, sigma, how).by_label.swap_remove(0);
+    let layer = match look.print.pen {
+        None => {
+            let marks = holes.into_iter().map(|outline| Mark::Fill { outline, colour: ink });
+            Layer { name: format!("1 holes {}", hex(ink)), marks: marks.collect() }
+        }
+        Some(pen) => {
+            let paths = holes.into_iter().flatten().collect();
+            Layer::strokes(format!("1 cut {}", hex(ink)), paths, pen, ink, 0.0).0
+        }
+    };
+    let drawing = Drawing {
+        page: place.page,
+        title: title.into(),
+        recipe: Some(recipe.into()),
+        background: None,
+        layers: vec![layer],
+    };
+    Ok(drawing.to_svg())
 }
 
 /// The outlines of each label's regions, on the page.
@@ -97,18 +148,22 @@ struct Regions {
 }
 
 impl Regions {
-    fn trace(plate: &Plate<'_>, knobs: &BinaryKnobs, place: &Placement) -> Self {
-        let height = plate.labels.height();
-        let sigma = scaled(knobs.smooth, height);
-        let count = plate.colours.len() as u8;
-        let soft = Soft::new(plate.labels, plate.covered, count, sigma);
+    /// Traces labels from 0 to `count` - 1 after smoothing by `sigma` pixels.
+    fn trace(
+        labels: &Plane<u8>,
+        covered: &Plane<bool>,
+        count: usize,
+        sigma: f32,
+        (knobs, place): (&BinaryKnobs, &Placement),
+    ) -> Self {
+        let soft = Soft::new(labels, covered, count as u8, sigma);
         let how = Fit {
-            tolerance: f64::from(scaled(knobs.vector_tolerance, height)),
+            tolerance: f64::from(scaled(knobs.vector_tolerance, labels.height())),
             corner: f64::from(knobs.vector_corner).to_radians(),
             blur: f64::from(sigma.max(0.5)),
         };
         let partition = Partition::trace(soft.labels(), |p, q| soft.crossing(p, q), &how);
-        let mut by_label = vec![Vec::new(); plate.colours.len()];
+        let mut by_label = vec![Vec::new(); count];
         for region in partition.regions.iter().filter(|r| r.label != NOTHING) {
             let outline = partition.outline(region);
             let outline = outline.iter().map(|path| path.map(|p| place.at(p))).collect();
@@ -116,6 +171,29 @@ impl Regions {
         }
         Self { by_label }
     }
+}
+
+/// The lines of a map as fills in ink and in paper's colour, or, for a pen, the outlines of those in
+/// ink.
+fn mapped(lines: Regions, scheme: &Colours, pen: Option<f64>, before: usize) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for (outlines, colour) in lines.by_label.into_iter().skip(1).zip([scheme.ink, scheme.paper]) {
+        if outlines.is_empty() || (pen.is_some() && colour == scheme.paper) {
+            continue;
+        }
+        let name = format!("{} map {}", before + layers.len() + 1, hex(colour));
+        layers.push(match pen {
+            Some(pen) => {
+                let paths = outlines.into_iter().flatten().collect();
+                Layer::strokes(name, paths, pen, colour, JOIN).0
+            }
+            None => {
+                let fill = |outline| Mark::Fill { outline, colour };
+                Layer { name, marks: outlines.into_iter().map(fill).collect() }
+            }
+        });
+    }
+    layers
 }
 
 /// Closed fills, a layer a colour, and the lines as strokes of their width.

@@ -1,7 +1,7 @@
 //! The pieces of a label image: connected pixels of equal label.
 //!
-//! Pieces are 8-connected: pixels that touch at a corner belong together, whatever their label, so
-//! two pieces may cross at a corner. Found row by row: runs of equal label are joined with the runs
+//! Pieces are 8-connected, pixels that touch at a corner belong together, whatever their label, so
+//! that two pieces may cross at a corner; or 4-connected, by sides alone. Found row by row: runs of equal label are joined with the runs
 //! they touch in the row above (union by the earliest run), so that the time is all but linear in
 //! the pixels and nothing recurses.
 
@@ -30,7 +30,7 @@ pub struct Piece<T> {
     pub first: (usize, usize),
     /// The greatest x and y that occur.
     pub last: (usize, usize),
-    /// Whether a pixel of another label touches it, at a side or a corner. A piece that touches
+    /// Whether a pixel of another label touches it, at a side or, if corners connect, at a corner. A piece that touches
     /// none is not an island: it is all there is of its object.
     pub touches_other: bool,
 }
@@ -68,9 +68,25 @@ impl<T> Components<T> {
 /// The pieces of equal label among the covered pixels. Panics when the sizes differ or when there
 /// are 2^32 - 1 pixels or more.
 pub fn components<T: Copy + PartialEq>(labels: &Plane<T>, mask: &Plane<bool>) -> Components<T> {
+    connected(labels, mask, 1)
+}
+
+/// [`components`] of pixels that are connected by their sides.
+pub fn components_by_sides<T: Copy + PartialEq>(
+    labels: &Plane<T>,
+    mask: &Plane<bool>,
+) -> Components<T> {
+    connected(labels, mask, 0)
+}
+
+fn connected<T: Copy + PartialEq>(
+    labels: &Plane<T>,
+    mask: &Plane<bool>,
+    reach: usize,
+) -> Components<T> {
     assert_eq!(labels.size(), mask.size(), "a mask has the size of its plane");
     assert!(labels.len() < UNCOVERED as usize, "every pixel can have a number");
-    let mut runs = Runs::default();
+    let mut runs = Runs { runs: Vec::new(), last_row: 0, reach };
     for y in 0..labels.height() {
         runs.add_row(y, labels.row(y), mask.row(y));
     }
@@ -94,12 +110,8 @@ struct Runs<T> {
     runs: Vec<Run<T>>,
     /// Where the last row's runs begin.
     last_row: usize,
-}
-
-impl<T> Default for Runs<T> {
-    fn default() -> Self {
-        Self { runs: Vec::new(), last_row: 0 }
-    }
+    /// How far beyond a run's ends the runs of the row above touch it: 1 with corners, else 0.
+    reach: usize,
 }
 
 impl<T: Copy + PartialEq> Runs<T> {
@@ -130,11 +142,11 @@ impl<T: Copy + PartialEq> Runs<T> {
             if i > here && self.runs[i - 1].end == start {
                 self.meet(i - 1, i);
             }
-            while first < here && self.runs[first].end < start {
+            while first < here && self.runs[first].end + self.reach <= start {
                 first += 1;
             }
             let mut j = first;
-            while j < here && self.runs[j].start <= end {
+            while j < here && self.runs[j].start < end + self.reach {
                 self.meet(j, i);
                 j += 1;
             }
@@ -218,6 +230,14 @@ mod tests {
         assert_eq!(found.touching(), [(0, 1), (1, 2)]);
         assert_eq!(found.ids[(1, 1)], 0);
         assert_eq!(found.ids[(3, 3)], 2);
+    }
+
+    #[test]
+    fn by_sides_corners_separate() {
+        let (labels, mask) = drawn(&["a.a.", ".a..", ". bb"]);
+        let found = components_by_sides(&labels, &mask);
+        let seen: Vec<(char, usize)> = found.pieces.iter().map(|p| (p.label, p.area)).collect();
+        assert_eq!(seen, [('a', 1), ('.', 1), ('a', 1), ('.', 3), ('.', 2), ('a', 1), ('b', 2)]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod picture;
 mod plates;
 pub(crate) mod reel;
 mod shot;
+mod stencil;
 
 use crate::colours::Colours;
 use crate::film::Target;
@@ -31,6 +32,7 @@ pub(crate) use picture::draw;
 pub(crate) use plates::{Encoding, Plates, plate};
 pub use shot::Shot;
 pub(crate) use shot::{SURVEY_HEIGHT, exposure_settings};
+pub use stencil::Cutting;
 
 /// How a view becomes a picture, and a picture a sheet.
 pub struct Look<'a> {
@@ -44,13 +46,15 @@ pub struct Look<'a> {
     pub print: Print,
     /// Strokes, if any.
     pub painting: Option<Painting>,
+    /// A stencil instead of the picture.
+    pub stencil: Option<Cutting>,
 }
 
 impl<'a> Look<'a> {
-    /// A style as it is, in black on white.
+    /// A style as it is.
     pub fn of(style: &'a Style) -> Self {
-        let (colours, print) = Default::default();
-        Self { style, knobs: &style.binary, colours, print, painting: None }
+        let (colours, print) = (style.colours(), Print::default());
+        Self { style, knobs: &style.binary, colours, print, painting: None, stencil: None }
     }
 
     /// For recipes, with the exposure that was found.
@@ -62,7 +66,10 @@ impl<'a> Look<'a> {
         if let Some(painting) = &self.painting {
             s.insert("painting".into(), painting.settings());
         }
-        if encoding.uses_paper() {
+        if let Some(stencil) = &self.stencil {
+            s.insert("stencil".into(), stencil.settings());
+        }
+        if encoding.uses_paper() || self.stencil.is_some() {
             s.insert("print".into(), self.print.settings());
         }
         s.extend(knob_settings(self.knobs));
@@ -127,7 +134,9 @@ impl Job<'_> {
             frames.beside(number, run.stage("write", 1, write)?);
         }
         if frames.are_one_file() {
-            frames.keep(number, picture.coloured(&self.look.colours));
+            let plates = Plates { look: &self.look, title: "", recipe: "" };
+            let shown = run.stage("draw", 1, || plates.shown(&picture, &mut counts))?;
+            frames.keep(number, shown);
         } else {
             let title = format!("{} {number}", self.project.file_name());
             let plates = Plates { look: &self.look, title: &title, recipe };

@@ -5,50 +5,56 @@ use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
     BinaryKnobs, Coloured, Exposure, Features, Graph, Labels, Lines, Marks, Paint, Palette, Steps,
-    View, colour_regions, compose, is_light, outline, shade_painted, tint,
+    View, colour_regions, compose, is_light, outline, prepare, tint,
 };
 use chiaro_image::Plane;
 use chiaro_image::colour::to_byte;
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 
 /// Draws one view: weights, cut, lines, colours.
 pub(crate) fn draw(
-    view: &View,
+    view: View,
     exposure: &Exposure,
     knobs: &BinaryKnobs,
     (colours, paint): (&Colours, Option<&Paint>),
     run: &Run,
 ) -> Result<Picture> {
-    let covered = &view.buffer.covered;
     let paper = colours.paper_is_white();
-    let mut steps = shade_painted(view, exposure, knobs, paint, paper, run)?;
     let palette = Palette::parse(&knobs.palette, colours.ink, colours.paper)?;
+    let prepared = |view| prepare(view, exposure, knobs, paint, run);
     let mut labels = None;
-    let tint = match &palette {
-        Palette::Two => None,
+    let (steps, tint) = match &palette {
+        Palette::Two => (prepared(Cow::Owned(view))?.cut(paint, paper, knobs, run)?, None),
         palette => {
-            let coloured = run.stage("cut", covered.len() as u64, || {
-                colour_regions(palette, view, &steps.graph, exposure, knobs)
+            let prepared = prepared(Cow::Borrowed(&view))?;
+            let features = prepared.features.clone();
+            let mut steps = prepared.cut(paint, paper, knobs, run)?;
+            let pixels = view.buffer.covered.len() as u64;
+            let mut coloured = run.stage("cut", pixels, || {
+                colour_regions(palette, &view, &steps.graph, exposure, knobs)
             })?;
-            let features = Features::find(&view.buffer, knobs);
+            coloured.labels = features.lightened(&coloured.labels, palette.lightest());
+            let covered = &view.buffer.covered;
             let sheet = Tinted { palette, covered, features: &features, knobs, colours };
             let (white, region, lines, tint) = sheet.draw(&coloured, run);
             (steps.white, steps.region, steps.lines) = (white, region, lines);
             labels = Some(coloured.labels);
-            Some(tint)
+            (steps, Some(tint))
         }
     };
-    let marks = run.stage("draw", covered.len() as u64, || {
-        compose(&steps.region, covered, &steps.lines, knobs)
+    let marks = run.stage("draw", steps.white.len() as u64, || {
+        compose(&steps.region, &steps.graph.mask, &steps.lines, knobs)
     });
     let counts = counts::stepped(&steps);
-    let Steps { white, lines, graph, labels: cut, .. } = steps;
+    let Steps { white, shown, lines, graph, labels: cut, .. } = steps;
     Ok(Picture {
-        covered: covered.clone(),
-        labels: labels.unwrap_or_else(|| white.map(|w| u8::from(*w))),
+        covered: graph.mask.clone(),
+        labels: labels.unwrap_or_else(|| shown.map(|w| u8::from(*w))),
         palette: palette.colours().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
         white,
         lines,
+        map: None,
         marks,
         tint,
         graph,
@@ -104,6 +110,9 @@ pub struct Picture {
     pub white: Plane<bool>,
     /// The lines on top.
     pub lines: Lines,
+    /// A map of lines drawn over all: what each pixel's line is (0 none, 1 ink, 2 paper), and the
+    /// sigma in pixels that smooths it.
+    pub map: Option<(Plane<u8>, f32)>,
     /// Regions and lines, antialiased.
     pub marks: Marks,
     /// The place of each pixel's colour in the palette; of ink and paper, 1 where white.

@@ -6,6 +6,7 @@ use crate::film::Target;
 use crate::vector::{self, Plate};
 use chiaro_basis::{Error, Result};
 use chiaro_binary::one_bit;
+use chiaro_image::colour::to_byte;
 use chiaro_image::{Plane, codec};
 use chiaro_ink::Colour;
 use serde_json::{Map, Value, json};
@@ -57,35 +58,61 @@ impl Plates<'_> {
     ) -> Result<Vec<u8>> {
         match encoding {
             Encoding::Svg => self.svg(picture, counts),
-            Encoding::Tiff => self.tiff(picture),
-            Encoding::Pbm => Ok(codec::write_pbm(&self.one_bit(picture))),
-            Encoding::Png => self.png(picture),
+            Encoding::Tiff => self.tiff(&self.bits(picture, counts)?),
+            Encoding::Pbm => Ok(codec::write_pbm(&self.bits(picture, counts)?)),
+            Encoding::Png => self.png(picture, counts),
         }
     }
 
-    fn png(&self, picture: &Picture) -> Result<Vec<u8>> {
-        let rgba = picture.coloured(&self.look.colours);
+    /// The picture, or its stencil, as a screen shows it.
+    pub(crate) fn shown(
+        &self,
+        picture: &Picture,
+        counts: &mut Map<String, Value>,
+    ) -> Result<Plane<[u8; 4]>> {
+        let colours = &self.look.colours;
+        if self.look.stencil.is_none() {
+            return Ok(picture.coloured(colours));
+        }
+        let [ink, sheet] = [colours.ink, colours.paper].map(|c| c.map(to_byte));
+        Ok(self.bits(picture, counts)?.map(|s| if *s { sheet } else { ink }))
+    }
+
+    fn png(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
+        let rgba = self.shown(picture, counts)?;
         if self.look.colours.are_grey() && picture.tint.is_none() {
             return codec::write_png_grey(&rgba.map(|p| p[0]), Some(self.recipe));
         }
         codec::write_png_rgba(&rgba, Some(self.recipe))
     }
 
-    fn one_bit(&self, picture: &Picture) -> Plane<bool> {
-        one_bit(&picture.marks, self.look.colours.paper_is_white())
+    /// The picture, or its stencil, in one bit.
+    fn bits(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Plane<bool>> {
+        let colours = &self.look.colours;
+        match &self.look.stencil {
+            Some(stencil) => {
+                let place = self.look.print.sheet.place(picture.covered.size())?;
+                stencil.sheet(picture, colours, &place, counts)
+            }
+            None => Ok(one_bit(&picture.marks, &picture.lines, colours.paper_is_white())),
+        }
     }
 
-    fn tiff(&self, picture: &Picture) -> Result<Vec<u8>> {
-        let dpi = self.look.print.sheet.place(picture.covered.size())?.dpi();
-        Ok(codec::write_tiff_bits(&self.one_bit(picture), dpi, Some(self.recipe)))
+    fn tiff(&self, bits: &Plane<bool>) -> Result<Vec<u8>> {
+        let dpi = self.look.print.sheet.place(bits.size())?.dpi();
+        Ok(codec::write_tiff_bits(bits, dpi, Some(self.recipe)))
     }
 
     fn svg(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
-        let colours = &self.look.colours;
+        let (colours, print) = (&self.look.colours, &self.look.print);
+        if let Some(stencil) = &self.look.stencil {
+            let sheet = self.bits(picture, counts)?;
+            let text = (self.title, self.recipe);
+            return vector::stencil(&sheet, stencil, self.look, text).map(String::into_bytes);
+        }
         let two = [colours.ink, colours.paper];
         let plate = plate(picture, &two, colours);
-        let (svg, travel) =
-            vector::draw(&plate, self.look.knobs, &self.look.print, self.title, self.recipe)?;
+        let (svg, travel) = vector::draw(&plate, self.look.knobs, print, self.title, self.recipe)?;
         counts.insert("pen_down_mm".into(), json!(travel.down));
         counts.insert("pen_up_mm".into(), json!(travel.up));
         Ok(svg.into_bytes())
@@ -99,6 +126,7 @@ pub(crate) fn plate<'a>(
     scheme: &'a Colours,
 ) -> Plate<'a> {
     Plate {
+        map: picture.map.as_ref(),
         labels: &picture.labels,
         covered: &picture.covered,
         colours: if picture.palette.is_empty() { two } else { &picture.palette },

@@ -226,14 +226,15 @@ impl Sheet<'_> {
         let (region, lines) = run.stage("lines", white.len() as u64, || {
             outline(&take.features, white, &graph.mask, self.colours.paper_is_white(), knobs)
         });
-        let labels = white.map(|w| u8::from(*w));
+        let labels = take.features.haloed(white).map(|w| u8::from(*w));
         self.finished(take, (labels, None), (white.clone(), &region, lines), run)
     }
 
     fn toned(&self, take: &Take, layers: &[Plane<bool>], run: &Run) -> Picture {
         let Self { palette, colours, knobs } = *self;
-        let coloured = toned(layers, &take.cel, knobs);
+        let mut coloured = toned(layers, &take.cel, knobs);
         let (covered, features) = (&take.cel.graph.mask, &take.features);
+        coloured.labels = features.lightened(&coloured.labels, palette.lightest());
         let (white, region, lines, tint) =
             Tinted { palette, covered, features, knobs, colours }.draw(&coloured, run);
         self.finished(take, (coloured.labels, Some(tint)), (white, &region, lines), run)
@@ -258,6 +259,7 @@ impl Sheet<'_> {
             palette: self.palette.colours().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
             white,
             lines,
+            map: None,
             marks,
             tint,
             graph: graph.clone(),

@@ -134,9 +134,12 @@ impl<'a> Shot<'a> {
         run: &Run,
     ) -> Result<Picture> {
         let size = self.camera.size;
-        let view = self.view(frame, number, size, self.exposure.shadows, run)?;
+        let mut view = self.view(frame, number, size, self.exposure.shadows, run)?;
+        if !matches!(self.palette(colours)?, Palette::Spots(_)) {
+            view.buffer.forget_light();
+        }
         let paint = self.painting.as_ref().map(|p| p.paint(&view, number));
-        draw(&view, &self.exposure, &self.knobs, (colours, paint.as_ref()), run)
+        draw(view, &self.exposure, &self.knobs, (colours, paint.as_ref()), run)
     }
 
     /// The palette of its pictures.

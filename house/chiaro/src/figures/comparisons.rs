@@ -30,7 +30,9 @@ pub(super) const FIGURES: [Figure; 6] = [
     Figure {
         name: "3.13",
         title: "local terms with contours",
-        message: "Local diffuse light alone (g = 0) with occluding contours draws relief like a pen.",
+        message: "Local diffuse light alone (g = 0, h = 4, N~ = 0.2 of the thesis) with haloed occluding \
+                  contours draws relief like a pen. Below: a colour image, its normals, and binary \
+                  shading of the two with the map of discontinuities drawn on top (RGBN).",
         columns: 3,
         draw: local_with_contours,
     },
@@ -120,10 +122,15 @@ fn local_with_contours(sheet: &mut Sheet, run: &Run) -> Result<()> {
         let set = |k: &mut BinaryKnobs| {
             (k.diffuse_g, k.diffuse_h, k.neighbour) = (0.0, 4.0, 0.02);
             (k.diffuse_w, k.diffuse_b) = (1.0, 1.0);
+            k.halo = 2.0;
             contours(k);
         };
         sheet.add(plate(scene, run)?.thesis(set, run)?, format!("{scene}: g = 0, h = 4"));
     }
+    let [colour, normals, shaded] = plate("desk", run)?.rgbn(&BinaryKnobs::default(), run)?;
+    sheet.add(colour, "desk: colour");
+    sheet.add(normals, "normals");
+    sheet.add(shaded, "binary shading, map on top");
     Ok(())
 }
 

@@ -9,6 +9,7 @@ mod comparisons;
 mod diffusion;
 mod films;
 mod methods;
+mod painting;
 mod plate;
 mod strokes;
 mod swept;
@@ -35,7 +36,8 @@ struct Figure {
 
 /// The figures, in the thesis's order.
 fn all() -> impl Iterator<Item = &'static Figure> {
-    let chapter3 = chapter3::FIGURES.iter().chain(&comparisons::FIGURES).chain(&films::FIGURES);
+    let chapter3 = (chapter3::FIGURES.iter().chain(&painting::FIGURES))
+        .chain(comparisons::FIGURES.iter().chain(&films::FIGURES));
     let chapter4 = chapter4::FIGURES.iter().chain(&swept::FIGURES).chain(&strokes::FIGURES);
     chapter3.chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES)
 }

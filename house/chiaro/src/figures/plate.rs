@@ -1,15 +1,20 @@
 //! [`Plate`]: one view of a demo scene, ready to be drawn with many settings.
 
-use crate::binary::{Shot, counts, draw};
+use crate::binary::{Look, Shot, counts, draw};
 use crate::colours::Colours;
+use crate::given;
 use crate::project::{Options, Project};
+use crate::style::Style;
+use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Border, Channel, Exposure, FeaturePairs, Lines, Marks, Method, Model, Steps, View,
-    compose, expose, image_bonds, mixed_tone, neighbour_factors, shade, weigh,
+    BinaryKnobs, Border, Channel, Exposure, FeaturePairs, Lines, Marks, Method, Model, Paint,
+    Steps, Strokes, View, compose, expose, image_bonds, mixed_tone, neighbour_factors, prepare,
+    shade, weigh,
 };
-use chiaro_image::colour::to_byte;
+use chiaro_image::colour::{srgb_encode, to_byte};
 use chiaro_image::{Plane, filter};
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// A view of a scene with every channel.
@@ -118,7 +123,72 @@ impl Plate {
     pub(super) fn coloured(&self, knobs: &BinaryKnobs, run: &Run) -> Result<Plane<[u8; 3]>> {
         let colours = Colours::default();
         let exposure = self.exposure(knobs, run)?;
-        Ok(draw(&self.view, &exposure, knobs, (&colours, None), run)?.displayed(&colours))
+        let picture = draw(self.view.clone(), &exposure, knobs, (&colours, None), run)?;
+        Ok(picture.displayed(&colours))
+    }
+
+    /// Black and white with strokes painted: with what share of the weights learned from them.
+    pub(super) fn painted(
+        &self,
+        strokes: &Strokes,
+        blend: f32,
+        knobs: &BinaryKnobs,
+        run: &Run,
+    ) -> Result<Plane<[u8; 3]>> {
+        let (view, covered) = (&self.view, &self.view.buffer.covered);
+        let drawn = strokes.drawn(covered.size(), 1);
+        let paint = Paint::learn(drawn, &view.channels, covered, blend);
+        let exposure = self.exposure(knobs, run)?;
+        let prepared = prepare(Cow::Borrowed(view), &exposure, knobs, Some(&paint), run)?;
+        let steps = prepared.cut(Some(&paint), true, knobs, run)?;
+        Ok(self.picture(&steps, knobs))
+    }
+
+    /// Strokes over a picture of this plate: green where they make white, blue where black.
+    pub(super) fn under_strokes(
+        &self,
+        picture: &Plane<[u8; 3]>,
+        strokes: &Strokes,
+    ) -> Result<Plane<[u8; 3]>> {
+        let drawn = strokes.drawn(picture.size(), 1);
+        let over = |p: &[u8; 3], d: &Option<bool>| match d {
+            Some(true) => [40, 190, 70],
+            Some(false) => [50, 80, 220],
+            None => p.map(|v| 128 + v / 2),
+        };
+        picture.zip(&drawn, over)
+    }
+
+    /// The view as a colour image with normals in the camera's axes and a map of its depth steps: the
+    /// input of [`given::rgbn`], shaded.
+    pub(super) fn rgbn(&self, knobs: &BinaryKnobs, run: &Run) -> Result<[Plane<[u8; 3]>; 3]> {
+        let buffer = &self.view.buffer;
+        let light = self.view.channels.get(Channel::Half).expect("a plate has every channel");
+        let (w, h) = buffer.size();
+        let colour = Plane::from_fn(w, h, |x, y| {
+            let at = (x, y);
+            let [r, g, b] = buffer.base_colour[at].map(|c| c * light[at]);
+            if buffer.covered[at] { [r, g, b, 1.0] } else { [0.0; 4] }
+        });
+        let pose = &buffer.pose;
+        let normal = Plane::from_fn(w, h, |x, y| {
+            let n = Vec3::from(buffer.normal[(x, y)]);
+            [n.dot(pose.right), n.dot(pose.up), -n.dot(pose.forward)]
+        });
+        let steps = BinaryKnobs { line_crease: 181.0, line_width: 3.0, ..BinaryKnobs::default() };
+        let lines = Lines::find(buffer, &buffer.covered.map(|_| true), true, &steps);
+        let map = chiaro_ink::draw(&lines.black, (w, h), lines.width);
+        let shown = [
+            colour.map(|[r, g, b, a]| [*r, *g, *b].map(|v| to_byte(srgb_encode(v) * a + 1.0 - a))),
+            normal.zip(&buffer.covered, |n, c| {
+                n.map(|v| if *c { to_byte(0.5 * v + 0.5) } else { 255 })
+            })?,
+        ];
+        let mut style = Style::find("ink")?;
+        style.binary = knobs.clone();
+        let picture = given::rgbn(colour, normal, &map, &Look::of(&style), run)?;
+        let [a, b] = shown;
+        Ok([a, b, picture.displayed(&Colours::default())])
     }
 
     /// Seconds for the weights and for the cut, the best of three.

@@ -5,10 +5,10 @@
 //! | normal | `Normal`, `normal`, `N`, `normals`, `NX NY NZ` | Blender, chiaro, Arnold, V-Ray, 3ds Max |
 //! | depth | `Depth.Z`, `depth.Z`, `Z`, `ZDepth` | 1e9 and more is nothing |
 //! | position | `Position`, `position`, `P` | world space |
-//! | object | `object.ID`, `IndexOB`, `CryptoObject00` | the first id of a Cryptomatte, bit by bit |
-//! | material | `material.ID`, `IndexMA`, `CryptoMaterial00` | |
-//! | albedo | `albedo`, `DiffCol`, `Denoising Albedo` | linear |
-//! | occlusion | `ao.A`, `AO` | |
+//! | object | `object.ID`, `IndexOB`, `Object Index`, `CryptoObject00` | the first id of a Cryptomatte, bit by bit |
+//! | material | `material.ID`, `IndexMA`, `Material Index`, `CryptoMaterial00` | |
+//! | albedo | `albedo`, `DiffCol`, `Diffuse Color`, `Denoising Albedo` | linear |
+//! | occlusion | `ao.A`, `AO`, `Ambient Occlusion` | |
 //!
 //! In front of a name there may be a view layer's (`ViewLayer.Normal.X`); large and small letters
 //! count alike.
@@ -50,9 +50,11 @@ const NORMAL: [&str; 6] =
     ["normal", "normals", "n", "shadingnormal", "denoisingnormal", "world_normal"];
 const DEPTH: [&str; 4] = ["depth", "z", "zdepth", "depth_z"];
 const POSITION: [&str; 5] = ["position", "p", "worldposition", "world_position", "pworld"];
-const OBJECT: [&str; 4] = ["object", "indexob", "cryptoobject00", "crypto_object00"];
-const MATERIAL: [&str; 4] = ["material", "indexma", "cryptomaterial00", "crypto_material00"];
-const ALBEDO: [&str; 4] = ["albedo", "diffcol", "denoisingalbedo", "diffuse_albedo"];
+const OBJECT: [&str; 5] = ["object", "indexob", "objectindex", "cryptoobject00", "crypto_object00"];
+const MATERIAL: [&str; 5] =
+    ["material", "indexma", "materialindex", "cryptomaterial00", "crypto_material00"];
+const ALBEDO: [&str; 5] =
+    ["albedo", "diffcol", "diffusecolor", "denoisingalbedo", "diffuse_albedo"];
 const OCCLUSION: [&str; 3] = ["ao", "ambientocclusion", "ambient_occlusion"];
 
 impl Layers {
@@ -185,14 +187,21 @@ impl<'a> Finder<'a> {
         layers.iter().find_map(bare).or_else(|| layers.iter().find_map(layer)).cloned()
     }
 
+    /// The first of the layers that tells anything apart: indices that nobody set are all 0.
     fn ids(&self, layers: &[&str]) -> Option<Plane<u32>> {
-        layers.iter().find_map(|layer| {
-            let channel = self.channel(layer, &["id", "x", "r", "v"])?;
-            Some(match channel {
+        let plane = |layer: &&str| {
+            Some(match self.channel(layer, &["id", "x", "r", "v"])? {
                 ExrChannel::U32(plane) => plane.clone(),
                 ExrChannel::F32(plane) if layer.starts_with("crypto") => plane.map(|v| v.to_bits()),
                 ExrChannel::F32(plane) => plane.map(|v| v.round().max(0.0) as u32),
             })
-        })
+        };
+        let tells = |ids: &Plane<u32>| {
+            let mut all = ids.pixels().iter().filter(|id| **id != 0);
+            all.next().is_some_and(|first| all.any(|id| id != first))
+        };
+        let is_set = |ids: &Plane<u32>| ids.pixels().iter().any(|id| *id != 0);
+        let found = || layers.iter().filter_map(plane);
+        found().find(tells).or_else(|| found().find(is_set)).or_else(|| found().next())
     }
 }

@@ -16,7 +16,7 @@ use crate::frames::Frames;
 use crate::record::{Record, recipe};
 use crate::write;
 use chiaro_basis::{Error, Result, Run};
-use chiaro_binary::{Exposure, expose, scaled};
+use chiaro_binary::{BinaryKnobs, Exposure, expose, scaled};
 use chiaro_image::codec::{Format, Limits, read_colour, read_components, read_exr};
 use chiaro_image::{Plane, filter};
 use layers::Layers;
@@ -151,6 +151,48 @@ fn discontinuities(grey: &Plane<f32>) -> Plane<bool> {
     bright.map(|b| *b == bright_lines)
 }
 
+/// A colour image with its normals and a map of discontinuities, as planes (RGBN, section 3.9), shaded.
+/// `colour` is linear and multiplied by its alpha, `normal` has x right, y up, z to the viewer.
+pub(crate) fn rgbn(
+    colour: Plane<[f32; 4]>,
+    normal: Plane<[f32; 3]>,
+    discontinuity: &Plane<f32>,
+    look: &Look<'_>,
+    run: &Run,
+) -> Result<Picture> {
+    let layers = Layers {
+        size: colour.size(),
+        colour: Some(colour),
+        normal: Some(normal),
+        lines: Some(discontinuities(discontinuity)),
+        ..Layers::default()
+    };
+    Ok(shaded(&layers, look, run)?.0)
+}
+
+/// Layers as a picture, and the exposure that was found.
+fn shaded(layers: &Layers, look: &Look<'_>, run: &Run) -> Result<(Picture, Exposure)> {
+    let pixels = (layers.size.0 * layers.size.1) as u64;
+    let knobs = look.knobs;
+    let exposure = exposure(layers, knobs, run)?;
+    let view = run.stage("channels", pixels, || view::view(layers, knobs));
+    let paint = look.painting.as_ref().map(|p| p.paint(&view, 1));
+    let how = (&look.colours, paint.as_ref());
+    let mut picture = binary::draw(view, &exposure, knobs, how, run)?;
+    if let Some(lines) = &layers.lines {
+        let sigma = 0.5 * scaled(knobs.smooth, layers.size.1);
+        picture.map = Some((picture.marks.draw_map(lines, sigma), sigma));
+    }
+    Ok((picture, exposure))
+}
+
+/// The exposure, surveyed on every few pixels.
+fn exposure(layers: &Layers, knobs: &BinaryKnobs, run: &Run) -> Result<Exposure> {
+    let step = (layers.size.1 / binary::SURVEY_HEIGHT).max(1);
+    let small = view::view(&layers.thinned(step), knobs);
+    expose(&[small], true, knobs, run)
+}
+
 /// A job on one picture.
 pub struct Job<'a> {
     /// The picture.
@@ -182,25 +224,7 @@ impl Job<'_> {
     }
 
     fn picture(&self, run: &Run) -> Result<(Picture, Exposure)> {
-        let layers = &self.given.layers;
-        let pixels = (layers.size.0 * layers.size.1) as u64;
-        let exposure = self.exposure(run)?;
-        let view = run.stage("channels", pixels, || view::view(layers, self.look.knobs));
-        let paint = self.look.painting.as_ref().map(|p| p.paint(&view, 1));
-        let how = (&self.look.colours, paint.as_ref());
-        let mut picture = binary::draw(&view, &exposure, self.look.knobs, how, run)?;
-        if let Some(lines) = &layers.lines {
-            picture.marks.draw_map(lines, 0.5 * scaled(self.look.knobs.smooth, layers.size.1));
-        }
-        Ok((picture, exposure))
-    }
-
-    /// The exposure, surveyed on every few pixels.
-    fn exposure(&self, run: &Run) -> Result<Exposure> {
-        let height = self.given.layers.size.1;
-        let step = (height / binary::SURVEY_HEIGHT).max(1);
-        let small = view::view(&self.given.layers.thinned(step), self.look.knobs);
-        expose(&[small], true, self.look.knobs, run)
+        shaded(&self.given.layers, &self.look, run)
     }
 
     fn settings(&self, exposure: &Exposure, encoding: Encoding) -> Map<String, Value> {

@@ -104,6 +104,8 @@ fn blender(with_position: bool) -> (Given, chiaro_binary::View) {
     for channel in ["R", "G", "B", "A"] {
         push(&format!("Combined.{channel}"), b.covered.map(|c| if *c { 0.5 } else { 0.0 }));
     }
+    // Blender writes indices that nobody set as zeros.
+    push("Object Index.X", b.object.map(|_| 0.0));
     push("CryptoObject00.r", b.object.map(|o| f32::from_bits(*o)));
     let bytes = write_exr(&ExrImage { size: b.size(), layers, ..ExrImage::default() }).unwrap();
     let layers = read_layers("render.exr", &bytes).unwrap();
@@ -128,7 +130,7 @@ fn renders_by_others_have_the_geometry_of_the_scene() {
             let covered = ours.covered.pixels().iter().filter(|c| **c).count();
             assert!(close as f64 > 0.9 * covered as f64, "{close} of {covered}");
         }
-        assert_eq!(theirs.object, ours.object);
+        assert!(theirs.object == ours.object, "ids come bit by bit");
     }
 }
 

@@ -100,7 +100,7 @@ impl<'a> Regions<'a> {
         vectors: bool,
         run: &Run,
     ) -> Result<Self> {
-        let look = binary::Look { style, knobs, colours, print, painting: None };
+        let look = binary::Look { style, knobs, colours, print, painting: None, stencil: None };
         Ok(Self { look, shot: binary::Shot::survey(project, knobs, run)?, vectors })
     }
 

@@ -155,8 +155,29 @@ fn convolve_along_y<const C: usize>(
     }
 }
 
-/// `sum += weight * values`, as far as both reach.
+/// `sum += weight * values`, as far as both reach, in the widest vectors that the machine has.
 fn add_scaled(sum: &mut [f32], values: &[f32], weight: f32) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(
+            unsafe_code,
+            reason = "a third less time; the machine was asked for what it needs"
+        )]
+        // SAFETY: the machine has AVX2, which is all that the function asks for.
+        return unsafe { add_scaled_in_eights(sum, values, weight) };
+    }
+    add_scaled_plainly(sum, values, weight);
+}
+
+/// [`add_scaled_plainly`], compiled for vectors of eight: the same operations, so the same bytes.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn add_scaled_in_eights(sum: &mut [f32], values: &[f32], weight: f32) {
+    add_scaled_plainly(sum, values, weight);
+}
+
+#[inline(always)]
+fn add_scaled_plainly(sum: &mut [f32], values: &[f32], weight: f32) {
     for (s, v) in sum.iter_mut().zip(values) {
         *s += weight * v;
     }
@@ -282,6 +303,15 @@ mod tests {
 
     fn noise(width: usize, height: usize) -> Plane<f32> {
         Plane::from_fn(width, height, |x, y| random::unit(3, (y * width + x) as u64))
+    }
+
+    #[test]
+    fn wide_vectors_give_the_same_bytes() {
+        let values: Vec<f32> = (0..103).map(|i| random::unit(4, i) - 0.5).collect();
+        let (mut wide, mut plain) = (values.clone(), values.clone());
+        add_scaled(&mut wide[2..], &values, 0.37);
+        add_scaled_plainly(&mut plain[2..], &values, 0.37);
+        assert_eq!(wide, plain);
     }
 
     /// The plain convolution of a plane.
