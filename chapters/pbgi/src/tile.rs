@@ -1,27 +1,22 @@
 //! Shared gathers: one cube buffer for the pixels of a tile, and short rays for what differs
 //! between them.
 //!
-//! 1. The pixels of a tile are put into clusters that are close in position ([`cluster`]); normals
+//! 1. The pixels of a tile are put into clusters that are close in position (`cluster`); normals
 //!    may differ, since the buffer is a full sphere. Where probing rays show that much is near, the
 //!    tile is busy: it is done in quarters.
 //! 2. Each cluster has a field: a cube buffer with what lies beyond the radius D around its centre
-//!    ([`field`]).
+//!    (`field`).
 //! 3. A pixel mixes the fields of the four tiles (or quarters) around it by its place between their
 //!    centres, so that tiles do not show. Its far irradiance is the sum over texels of radiance
 //!    times its own cosine; on a plane it is computed at every fourth pixel and interpolated.
 //! 4. Its near field is a few rays of cosine density that end at the spheres of radius D. A hit adds
 //!    its radiance less the far radiance of that direction, a miss nothing: the far buffer is a
-//!    control variate, and what rays must tell is only the residual ([`receiver`]). More rays are
+//!    control variate, and what rays must tell is only the residual (`receiver`). More rays are
 //!    cast where those around hit something.
-//! 5. Hits are pooled over blocks of pixels by the balance heuristic ([`pool`]).
+//! 5. Hits are pooled over blocks of pixels by the balance heuristic (`pool`).
 //!
 //! Work goes down the picture in bands of tiles, so that memory does not grow with its height. The
 //! same sums tell how much of the hemisphere is open: ambient occlusion comes with the light.
-//!
-//! [`cluster`]: crate::cluster
-//! [`field`]: crate::field
-//! [`receiver`]: crate::receiver
-//! [`pool`]: crate::pool
 
 use crate::cluster::{Pixel, clusters};
 use crate::cube::{CubeBuffer, CubeShape};
