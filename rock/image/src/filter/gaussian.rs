@@ -161,7 +161,7 @@ fn add_scaled(sum: &mut [f32], values: &[f32], weight: f32) {
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(
             unsafe_code,
-            reason = "a third less time; the machine was asked for what it needs"
+            reason = "weights in all fell from 63 to 56 ns a pixel; the machine was asked for what it needs"
         )]
         // SAFETY: the machine has AVX2, which is all that the function asks for.
         return unsafe { add_scaled_in_eights(sum, values, weight) };
