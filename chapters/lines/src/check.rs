@@ -3,9 +3,9 @@
 //! 1. The shot's silhouettes are found twice with nothing bridged or dropped, hidden parts too: on
 //!    the surface as it is, and on that surface refined twice more.
 //! 2. A sample is *wrongly shown* when it is visible, no visible silhouette of the fine surface is
-//!    within [`NEAR`] pixels, and a hidden one is; *wrongly hidden* when a visible sample of the fine
+//!    within `NEAR` pixels, and a hidden one is; *wrongly hidden* when a visible sample of the fine
 //!    surface has near it a hidden silhouette of the coarse one and no visible one. What is nearer
-//!    than [`NEAR`] to the end of a visible stretch is so never counted.
+//!    than `NEAR` to the end of a visible stretch is so never counted.
 //! 3. A sample with no line of the other surface near it at all is *apart*: the shapes differ there,
 //!    not their visibility.
 //! 4. A *flicker* is a visible sample whose material point has a visible line near it two frames

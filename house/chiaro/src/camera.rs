@@ -161,9 +161,12 @@ impl Camera {
         s
     }
 
-    /// The same camera with a picture `height` pixels high.
+    /// The same camera with a picture `height` pixels high, or lower where it is more than four times
+    /// as wide as high, so that it never has more than 4 `height`² pixels, but for a row.
     pub fn at_height(&self, height: usize) -> Self {
         let (w, h) = self.size;
+        let fitting = ((4 * height * height * h) as f64 / w as f64).sqrt().ceil() as usize;
+        let height = height.min(fitting.max(1));
         let width = ((w * height) as f32 / h as f32).round().max(1.0) as usize;
         Self { size: (width, height), ..self.clone() }
     }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`parameterize`] runs one of four methods: the global solution, or one of the baselines, which go
-//! from frame to frame ([`propagate`], [`diffuse`]) or know no time at all. [`Parameters`] keeps the
+//! from frame to frame (`propagate`, `diffuse`) or know no time at all. [`Parameters`] keeps the
 //! links and the factored pattern, so that another weight costs a solve alone.
 
 pub(crate) mod chart;
