@@ -421,3 +421,13 @@ fn styles_are_for_lines_or_for_regions() {
     no(&["lines", "demo:peanut", "-o", "x.png", "--over", "no.png"], "no.png");
     no(&["lines", "demo:cactus", "-o", "x.png", "--without", "spine"], "did you mean spines?");
 }
+
+#[test]
+fn pictures_of_one_row_or_column_are_drawn() {
+    let dir = folder();
+    for size in ["1x1", "8000x1", "1x8000"] {
+        let args = ["binary", "cube.obj", "-o", "thin.png", "--size", size, "-q"];
+        let output = chiaro(dir.path(), &args);
+        assert!(output.status.success(), "{size}: {}", stderr(&output));
+    }
+}
