@@ -55,6 +55,27 @@ fn a_picture_is_the_same_for_any_number_of_threads() {
     assert_eq!(bytes("1.png"), bytes("5.png"));
 }
 
+/// 4-connected white pieces of a bitmap whose rows are whole bytes, 1 for black.
+fn white_pieces(rows: &[u8], width: usize, height: usize) -> usize {
+    let black = |i: usize| rows[i / width * width / 8 + i % width / 8] >> (7 - i % width % 8) & 1;
+    let mut left: Vec<bool> = (0..width * height).map(|i| black(i) == 0).collect();
+    let mut pieces = 0;
+    while let Some(first) = left.iter().position(|l| *l) {
+        pieces += 1;
+        let mut open = vec![first];
+        while let Some(i) = open.pop() {
+            if std::mem::take(&mut left[i]) {
+                let (x, y) = (i % width, i / width);
+                open.extend((x > 0).then(|| i - 1));
+                open.extend((x + 1 < width).then(|| i + 1));
+                open.extend((y > 0).then(|| i - width));
+                open.extend((y + 1 < height).then(|| i + width));
+            }
+        }
+    }
+    pieces
+}
+
 #[test]
 fn a_stencil_is_one_piece_and_says_what_it_cost() {
     let dir = folder();
@@ -70,6 +91,12 @@ fn a_stencil_is_one_piece_and_says_what_it_cost() {
         assert!(record["counts"]["stencil_energy"].as_f64().unwrap().is_finite());
         assert_eq!(record["settings"]["stencil"]["bridge"], 4.0);
     }
+    let ring = ["binary", "demo:bumpy-torus", "--size", "200x160", "--paper", "A4", "--json", "-"];
+    let output = chiaro(dir.path(), &[&ring[..], &["--stencil", "4mm", "-o", "ring.pbm"]].concat());
+    let record: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(record["counts"]["bridges"].as_u64().unwrap() > 0, "the hole of a ring is held");
+    let bitmap = std::fs::read(dir.path().join("ring.pbm")).unwrap();
+    assert_eq!(white_pieces(&bitmap[bitmap.len() - 25 * 160..], 200, 160), 1);
     let svg = std::fs::read_to_string(dir.path().join("a.svg")).unwrap();
     assert!(svg.contains("holes") && !svg.contains("<rect"));
     let thin = with(&["--stencil", "0.1mm", "-o", "b.png"]);

@@ -14,6 +14,7 @@
 //!
 //! Light and area have tables of their own. Black is coded without error.
 
+use crate::bits::{float16, from_float16};
 use crate::harmonic::{self, Sh};
 use crate::payload::{Exact, Sent};
 use chiaro_basis::math::{Mat3, Vec3};
@@ -429,32 +430,6 @@ fn turned(sh: &Sh, world_from_local: &Mat3) -> Sh {
     ]
 }
 
-/// A positive number under twice `top` in 16 bits: 64 octaves, ten bits for each; 0 stays 0.
-pub fn float16(value: f32, top: f32) -> u16 {
-    rounded16(value / top, 1 << 12)
-}
-
-/// The same, never below the value.
-pub fn float16_above(value: f32, top: f32) -> u16 {
-    rounded16(value / top, (1 << 13) - 1)
-}
-
-/// The exponent of the smallest number.
-const LOWEST: u32 = 64;
-
-fn rounded16(value: f32, add: u32) -> u16 {
-    if value.is_nan() || value <= 0.0 {
-        return 0;
-    }
-    let code = (value.to_bits().saturating_add(add) >> 13).saturating_sub(LOWEST << 10);
-    code.min(65_535) as u16
-}
-
-/// The number of a code.
-pub fn from_float16(code: u16, top: f32) -> f32 {
-    if code == 0 { 0.0 } else { top * f32::from_bits((u32::from(code) + (LOWEST << 10)) << 13) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -551,18 +526,5 @@ mod tests {
             let here = harmonic::evaluate(&sh, &harmonic::basis(world * local));
             assert!((there - here).abs() < 1e-5, "{there} {here}");
         }
-    }
-
-    #[test]
-    fn sixteen_bits_keep_ten_of_each_octave() {
-        for i in 0..2000 {
-            let value = 1e-9 * 1.02f32.powi(i);
-            let top = 1e9;
-            let back = from_float16(float16(value, top), top);
-            assert!((back / value - 1.0).abs() < 6e-4, "{value} {back}");
-            assert!(from_float16(float16_above(value, top), top) >= value);
-        }
-        assert_eq!(from_float16(float16(0.0, 1.0), 1.0), 0.0);
-        assert_eq!(from_float16(float16(f32::NAN, 1.0), 1.0), 0.0);
     }
 }

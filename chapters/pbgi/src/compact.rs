@@ -13,7 +13,11 @@
 //! is read and what is mapped from a disk are the same bytes, little-endian everywhere.
 //! Numbers that bytes name are clamped to what is there: any bytes give some picture.
 
-use crate::code::{Book, Decoded, Lobes, Pen, float16, float16_above, from_float16};
+use crate::bits::{
+    axis_of, colour_of, encode_axis, encode_colour, float16, float16_above, from_float16,
+    from_grid, from_octahedral, grid, octahedral,
+};
+use crate::code::{Book, Decoded, Lobes, Pen};
 use crate::curve::Cube;
 use crate::file;
 use crate::packed::{
@@ -159,74 +163,6 @@ impl Format {
         }
         bytes.resize(bytes.len() + (BLOCK - records.len()) * RECORD, 0);
     }
-}
-
-/// Octaves of a colour's sum below its block's greatest.
-const STEPS_AN_OCTAVE: f32 = 18.0;
-
-/// A colour in 20 bits: its sum in steps of 1/18 octave, the shares of red and green.
-fn encode_colour(colour: [f32; 3], gain: f32) -> u64 {
-    let sum: f32 = colour.iter().sum();
-    if sum <= 0.0 || gain <= 0.0 {
-        return 0;
-    }
-    let step = (255.0 + STEPS_AN_OCTAVE * (sum / gain).log2()).round();
-    if step < 1.0 {
-        return 0;
-    }
-    let [r, g] = [0, 1].map(|c| (63.0 * (colour[c] / sum).sqrt()).round() as u64);
-    step.min(255.0) as u64 | r << 8 | g << 14
-}
-
-fn colour_of(code: u64, gain: f32) -> [f32; 3] {
-    let step = code & 255;
-    if step == 0 {
-        return [0.0; 3];
-    }
-    let sum = gain * ((step as f32 - 255.0) / STEPS_AN_OCTAVE).exp2();
-    let share = |shift: u32| ((code >> shift & 63) as f32 / 63.0).powi(2);
-    let (r, g) = (share(8), share(14));
-    let b = (1.0 - r - g).max(0.0);
-    let all = sum / (r + g + b);
-    [r * all, g * all, b * all]
-}
-
-/// A unit vector on a square (Meyer et al. 2010), each coordinate in [-1, 1].
-fn octahedral(n: Vec3) -> [f32; 2] {
-    let p = n / n.abs().element_sum().max(f32::MIN_POSITIVE);
-    let fold = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };
-    if p.z >= 0.0 { [p.x, p.y] } else { [fold(p.x, p.y), fold(p.y, p.x)] }
-}
-
-fn from_octahedral([x, y]: [f32; 2]) -> Vec3 {
-    let z = 1.0 - x.abs() - y.abs();
-    let under = (-z).max(0.0);
-    vec3(x - under.copysign(x), y - under.copysign(y), z).normalize_or(Vec3::Z)
-}
-
-/// A coordinate in [-1, 1] as one of 2^bits - 1 steps, 0 among them.
-fn grid(c: f32, bits: u32) -> u32 {
-    let half = ((1u32 << (bits - 1)) - 1) as f32;
-    ((c * half).round().clamp(-half, half) + half) as u32
-}
-
-fn from_grid(code: u32, bits: u32) -> f32 {
-    let half = ((1u32 << (bits - 1)) - 1) as f32;
-    (code as f32 - half) / half
-}
-
-/// A mean normal in 32 bits: its length is finest near 1, where nodes are flat.
-fn encode_axis(axis: Vec3) -> u32 {
-    let length = axis.length().min(1.0);
-    let [x, y] = octahedral(axis.normalize_or(Vec3::Z)).map(|c| grid(c, 12));
-    let short = (255.0 * (1.0 - length).sqrt()).round() as u32;
-    x | y << 12 | short << 24
-}
-
-fn axis_of(code: u32) -> Vec3 {
-    let at = |shift: u32| from_grid(code >> shift & 0xfff, 12);
-    let short = (code >> 24) as f32 / 255.0;
-    from_octahedral([at(0), at(12)]) * (1.0 - short * short)
 }
 
 fn signed(byte: u8) -> f32 {
@@ -504,7 +440,6 @@ mod tests {
     use crate::packed::tests::sheet;
     use crate::packed::{Floats, records};
     use chiaro_basis::Run;
-    use chiaro_basis::random::unit;
 
     fn both(n: u64) -> (Packed<Floats>, Packed<Compact>) {
         let all = records(&sheet(n));
@@ -614,22 +549,5 @@ mod tests {
             other[at] ^= 1 << (i % 8);
             assert!(told(other).contains("bake"), "{at}");
         }
-    }
-
-    #[test]
-    fn unit_vectors_and_colours_come_back() {
-        for i in 0..500 {
-            let v = |k| vec3(unit(k, i) - 0.5, unit(k + 1, i) - 0.5, unit(k + 2, i) - 0.5);
-            let n = v(1).normalize();
-            assert!(from_octahedral(octahedral(n)).distance(n) < 1e-5);
-            let colour = [unit(5, i), unit(6, i), unit(7, i)];
-            let back = colour_of(encode_colour(colour, 3.0), 3.0);
-            let sum: f32 = colour.iter().sum();
-            assert!(
-                (0..3).all(|c| (back[c] - colour[c]).abs() < 0.04 * sum),
-                "{colour:?} {back:?}"
-            );
-        }
-        assert_eq!(colour_of(encode_colour([0.0; 3], 1.0), 1.0), [0.0; 3]);
     }
 }

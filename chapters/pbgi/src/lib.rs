@@ -27,6 +27,7 @@
 //! Not guaranteed: glossy reflection (every surface is Lambertian), and light through openings
 //! smaller than the spacing of surfels beyond the near field.
 
+mod bits;
 pub mod bounce;
 mod cluster;
 pub mod code;

@@ -1,23 +1,23 @@
 //! Daylight for scenes that bring no light: a sun, and the clear sky that belongs to it.
 //!
 //! The sky is Preetham's model ("A Practical Analytic Model for Daylight", SIGGRAPH 1999) at
-//! turbidity 3, over a dim ground; the sun is parallel light of the illuminance that such a sky
-//! goes with. Only ratios matter, since exposure is automatic.
+//! turbidity 3, over a grey ground that both light; the sun is parallel light of the illuminance
+//! that such a sky goes with. Only ratios matter, since exposure is automatic.
 
 use crate::light::Lamp;
 use crate::sky::Sky;
 use chiaro_basis::math::Vec3;
 use chiaro_image::Plane;
 use chiaro_image::colour::luminance;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 const TURBIDITY: f32 = 3.0;
 /// Columns and rows of the sky's picture.
 const SIZE: (usize, usize) = (128, 64);
 /// The sun's illuminance, facing it, over the sky's on level ground.
 const SUN_OVER_SKY: f32 = 4.0;
-/// The ground's radiance as a share of the sky's mean.
-const GROUND: f32 = 0.25;
+/// The ground's albedo.
+const GROUND: f32 = 0.2;
 
 /// The sun in the direction `towards`, and its sky.
 pub fn daylight(towards: Vec3) -> (Lamp, Sky) {
@@ -46,12 +46,11 @@ fn clear(towards: Vec3) -> (Lamp, Plane<[f32; 3]>) {
         let d = Vec3::new(r * longitude.sin(), up, -r * longitude.cos());
         if d.y > 0.0 { model.radiance(d) } else { [0.0; 3] }
     });
-    let ground = ground(&upper);
-    let sky = upper.map(|c| if *c == [0.0; 3] { ground } else { *c });
-    let level = level_illuminance(&upper);
-    let lamp =
-        Lamp { strength: SUN_OVER_SKY * level, colour: sun_colour(sun.y), ..Lamp::sun(-sun) };
-    (lamp, sky)
+    let level = integral(&upper, |cosine| cosine.max(0.0));
+    let strength = SUN_OVER_SKY * luminance(level);
+    let lamp = Lamp { strength, colour: sun_colour(sun.y), ..Lamp::sun(-sun) };
+    let ground = ground(level, &lamp);
+    (lamp, upper.map(|c| if *c == [0.0; 3] { ground } else { *c }))
 }
 
 /// Warm near the horizon, nearly white above; of luminance 1.
@@ -75,13 +74,10 @@ fn integral(sky: &Plane<[f32; 3]>, weight: impl Fn(f32) -> f32) -> [f32; 3] {
     sum
 }
 
-fn ground(upper: &Plane<[f32; 3]>) -> [f32; 3] {
-    let mean = luminance(integral(upper, |_| 1.0)) / TAU;
-    [1.05, 1.0, 0.9].map(|c| c * GROUND * mean)
-}
-
-fn level_illuminance(upper: &Plane<[f32; 3]>) -> f32 {
-    luminance(integral(upper, |cosine| cosine.max(0.0)))
+/// Radiance of level ground under a sky of this illuminance and a sun.
+fn ground(level: [f32; 3], sun: &Lamp) -> [f32; 3] {
+    let cosine = -sun.direction.y;
+    std::array::from_fn(|i| GROUND * (level[i] + sun.strength * sun.colour[i] * cosine) * FRAC_1_PI)
 }
 
 /// The model's coefficients for one place of the sun.

@@ -24,7 +24,7 @@ const SURVEY_FRAMES: usize = 5;
 const SURVEY_HEIGHT: usize = 64;
 const SURVEY_SAMPLES: u32 = 16;
 /// The display value that the geometric mean of what is seen gets.
-const MIDDLE: f32 = 0.22;
+const MIDDLE: f32 = 0.3;
 /// The display value that the brightest twentieth of what is seen keeps below.
 const BRIGHT: f32 = 1.6;
 
