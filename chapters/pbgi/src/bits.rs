@@ -1,0 +1,139 @@
+//! Numbers in few bits: floats in 16, unit vectors, mean normals, colours.
+//!
+//! Any code gives some finite number, so that bytes from a file need no checks.
+
+use chiaro_basis::math::{Vec3, vec3};
+
+/// A positive number under twice `top` in 16 bits: 64 octaves, ten bits for each; 0 stays 0.
+pub(crate) fn float16(value: f32, top: f32) -> u16 {
+    rounded16(value / top, 1 << 12)
+}
+
+/// The same, never below the value.
+pub(crate) fn float16_above(value: f32, top: f32) -> u16 {
+    rounded16(value / top, (1 << 13) - 1)
+}
+
+/// The exponent of the smallest number.
+const LOWEST: u32 = 64;
+
+fn rounded16(value: f32, add: u32) -> u16 {
+    if value.is_nan() || value <= 0.0 {
+        return 0;
+    }
+    let code = (value.to_bits().saturating_add(add) >> 13).saturating_sub(LOWEST << 10);
+    code.min(65_535) as u16
+}
+
+/// The number of a code.
+pub(crate) fn from_float16(code: u16, top: f32) -> f32 {
+    if code == 0 { 0.0 } else { top * f32::from_bits((u32::from(code) + (LOWEST << 10)) << 13) }
+}
+
+/// Steps to an octave of a colour's sum.
+const STEPS_AN_OCTAVE: f32 = 18.0;
+
+/// A colour in 20 bits: its sum in steps of 1/18 octave, the shares of red and green.
+pub(crate) fn encode_colour(colour: [f32; 3], gain: f32) -> u64 {
+    let sum: f32 = colour.iter().sum();
+    if sum <= 0.0 || gain <= 0.0 {
+        return 0;
+    }
+    let step = (255.0 + STEPS_AN_OCTAVE * (sum / gain).log2()).round();
+    if step < 1.0 {
+        return 0;
+    }
+    let [r, g] = [0, 1].map(|c| (63.0 * (colour[c] / sum).sqrt()).round() as u64);
+    step.min(255.0) as u64 | r << 8 | g << 14
+}
+
+/// The colour of a code.
+pub(crate) fn colour_of(code: u64, gain: f32) -> [f32; 3] {
+    let step = code & 255;
+    if step == 0 {
+        return [0.0; 3];
+    }
+    let sum = gain * ((step as f32 - 255.0) / STEPS_AN_OCTAVE).exp2();
+    let share = |shift: u32| ((code >> shift & 63) as f32 / 63.0).powi(2);
+    let (r, g) = (share(8), share(14));
+    let b = (1.0 - r - g).max(0.0);
+    let all = sum / (r + g + b);
+    [r * all, g * all, b * all]
+}
+
+/// A unit vector on a square (Meyer et al. 2010), each coordinate in [-1, 1].
+pub(crate) fn octahedral(n: Vec3) -> [f32; 2] {
+    let p = n / n.abs().element_sum().max(f32::MIN_POSITIVE);
+    let fold = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };
+    if p.z >= 0.0 { [p.x, p.y] } else { [fold(p.x, p.y), fold(p.y, p.x)] }
+}
+
+/// The unit vector of a place on the square.
+pub(crate) fn from_octahedral([x, y]: [f32; 2]) -> Vec3 {
+    let z = 1.0 - x.abs() - y.abs();
+    let under = (-z).max(0.0);
+    vec3(x - under.copysign(x), y - under.copysign(y), z).normalize_or(Vec3::Z)
+}
+
+/// A coordinate in [-1, 1] as one of 2^bits - 1 steps, 0 among them.
+pub(crate) fn grid(c: f32, bits: u32) -> u32 {
+    let half = ((1u32 << (bits - 1)) - 1) as f32;
+    ((c * half).round().clamp(-half, half) + half) as u32
+}
+
+/// The coordinate of a step.
+pub(crate) fn from_grid(code: u32, bits: u32) -> f32 {
+    let half = ((1u32 << (bits - 1)) - 1) as f32;
+    (code as f32 - half) / half
+}
+
+/// A mean normal in 32 bits: its length is finest near 1, where nodes are flat.
+pub(crate) fn encode_axis(axis: Vec3) -> u32 {
+    let length = axis.length().min(1.0);
+    let [x, y] = octahedral(axis.normalize_or(Vec3::Z)).map(|c| grid(c, 12));
+    let short = (255.0 * (1.0 - length).sqrt()).round() as u32;
+    x | y << 12 | short << 24
+}
+
+/// The mean normal of a code.
+pub(crate) fn axis_of(code: u32) -> Vec3 {
+    let at = |shift: u32| from_grid(code >> shift & 0xfff, 12);
+    let short = (code >> 24) as f32 / 255.0;
+    from_octahedral([at(0), at(12)]) * (1.0 - short * short)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::random::unit;
+
+    #[test]
+    fn sixteen_bits_keep_ten_of_each_octave() {
+        for i in 0..2000 {
+            let value = 1e-9 * 1.02f32.powi(i);
+            let top = 1e9;
+            let back = from_float16(float16(value, top), top);
+            assert!((back / value - 1.0).abs() < 6e-4, "{value} {back}");
+            assert!(from_float16(float16_above(value, top), top) >= value);
+        }
+        assert_eq!(from_float16(float16(0.0, 1.0), 1.0), 0.0);
+        assert_eq!(from_float16(float16(f32::NAN, 1.0), 1.0), 0.0);
+    }
+
+    #[test]
+    fn unit_vectors_and_colours_come_back() {
+        for i in 0..500 {
+            let v = |k| vec3(unit(k, i) - 0.5, unit(k + 1, i) - 0.5, unit(k + 2, i) - 0.5);
+            let n = v(1).normalize();
+            assert!(from_octahedral(octahedral(n)).distance(n) < 1e-5);
+            let colour = [unit(5, i), unit(6, i), unit(7, i)];
+            let back = colour_of(encode_colour(colour, 3.0), 3.0);
+            let sum: f32 = colour.iter().sum();
+            assert!(
+                (0..3).all(|c| (back[c] - colour[c]).abs() < 0.04 * sum),
+                "{colour:?} {back:?}"
+            );
+        }
+        assert_eq!(colour_of(encode_colour([0.0; 3], 1.0), 1.0), [0.0; 3]);
+    }
+}
