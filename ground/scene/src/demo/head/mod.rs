@@ -33,7 +33,7 @@ pub(super) fn head() -> Scene {
     eye::put_eyes(&mut stage, bust, yaw);
     put_earrings(&mut stage, bust, gold, yaw);
     let projection = Projection::Perspective { fov_y: 24f32.to_radians() };
-    stage.camera(vec3(3.9, 1.25, 7.9), vec3(0.02, 0.42, -0.1), projection, 0.8);
+    stage.camera(vec3(3.9, 1.37, 7.9), vec3(0.02, 0.54, -0.1), projection, 0.8);
     stage.finish()
 }
 
