@@ -53,6 +53,18 @@ pub(crate) fn zero(values: [i32; 8]) -> u8 {
 #[inline(always)]
 pub(crate) fn children(parents: &[u8], v: usize, stride: usize) -> u8 {
     const BACK: u64 = 0x0302_0100_0706_0504;
+    equal(parents, v, stride, BACK)
+}
+
+/// The directions whose neighbour holds `value`.
+#[inline(always)]
+pub(crate) fn with(parents: &[u8], v: usize, stride: usize, value: u8) -> u8 {
+    equal(parents, v, stride, u64::from_le_bytes([value; 8]))
+}
+
+/// The directions whose neighbour holds the byte of that direction in `bytes`.
+#[inline(always)]
+fn equal(parents: &[u8], v: usize, stride: usize, bytes: u64) -> u8 {
     const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
     let four = |start: usize| {
         u32::from_le_bytes(*parents[start..].first_chunk().expect("the frame surrounds a pixel"))
@@ -61,6 +73,6 @@ pub(crate) fn children(parents: &[u8], v: usize, stride: usize) -> u8 {
     let (east, west) = (u32::from(parents[v + 1]), u32::from(parents[v - 1]));
     let around = u64::from(north | east << 24) | u64::from(south | west << 24) << 32;
     // No byte reaches 128: adding 127 sets the top bit of all but the zeros.
-    let differs = (around ^ BACK) + LOW;
+    let differs = (around ^ bytes) + LOW;
     ((!differs >> 7 & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
 }

@@ -11,6 +11,7 @@
 //! The flow found depends on the bands, the canonical cut does not.
 
 use crate::capacity::Capacity;
+use crate::level::Level;
 use crate::network::{Black, Side, White};
 use crate::residual::Residual;
 use crate::search::{GAP, Search};
@@ -83,8 +84,8 @@ fn place<C: Capacity>(search: &mut Search<Residual<C>>, band: Search<Residual<C>
     for (tree, part) in search.trees.iter_mut().zip(band.trees) {
         // What waits lies at most one gap above the grown levels.
         tree.grown = tree.grown.max(part.grown + GAP);
-        let waiting = part.again.iter().chain(part.active.iter().flatten());
-        tree.again.extend(waiting.map(|v| v + shift as u32));
+        let waiting = part.active.into_iter().flat_map(Level::blocks).chain([part.again]);
+        tree.again.extend(waiting.flatten().map(|v| v + shift as u32));
         if part.seeded {
             // Only black roots can be left: a band is done when its white tree is.
             let roots = (0..band.label.len()).filter(|&v| band.label[v].get() == -1);
@@ -102,6 +103,7 @@ impl Search<Residual<i16>> {
             parent: self.parent,
             trees: self.trees,
             left: self.left,
+            patience: self.patience,
         }
     }
 }

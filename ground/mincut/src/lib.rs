@@ -64,6 +64,8 @@ mod family;
 mod grid;
 mod labels;
 mod lattice;
+mod level;
+mod lost;
 mod network;
 mod orphans;
 mod parts;
@@ -148,7 +150,7 @@ fn read<C: Capacity>(
 ) -> Cut {
     let flow = constant - search.left;
     let rows: Vec<_> = (0..grid.height).map(|y| search.network.row(y)).collect();
-    let Search { label, .. } = search;
+    let label = search.into_labels();
     let mut labels = Vec::with_capacity(grid.mask.len());
     for row in rows {
         labels.extend(label[row].iter().map(|label| label.get() > 0));

@@ -54,6 +54,9 @@ pub(crate) trait Network: Send {
     /// The parent of a free node or an orphan.
     const NONE: Self::Arc;
 
+    /// The parent of a node that lost its tree for a while.
+    const LOST: Self::Arc;
+
     /// The number of nodes, those of a frame included.
     fn len(&self) -> usize;
 
@@ -94,6 +97,9 @@ pub(crate) trait Network: Send {
         v: usize,
         take: impl FnMut(&mut [Self::Label], usize, Self::Arc),
     );
+
+    /// Calls `visit` with every lost node to which the tree can grow from `v`.
+    fn each_lost<T: Side>(&self, parent: &[Self::Arc], v: usize, visit: impl FnMut(usize));
 
     /// Calls `visit` with every node that has `v` as its parent.
     fn each_child(

@@ -3,7 +3,7 @@
 //! The frame spares the search every test for the border. Rows share it: the pixel right of a
 //! row's last is the one left of the next row's first.
 
-use crate::around::{STEPS, around, children, lowest, opposite, zero};
+use crate::around::{STEPS, around, children, lowest, opposite, with, zero};
 use crate::capacity::Capacity;
 use crate::network::{Network, Side};
 use crate::planes::{PLANES, Planes, RECORD, split};
@@ -164,6 +164,7 @@ impl<C: Capacity> Network for Residual<C> {
     type Label = C;
     const ROOT: u8 = 8;
     const NONE: u8 = 9;
+    const LOST: u8 = 10;
 
     fn len(&self) -> usize {
         self.records.len()
@@ -245,6 +246,16 @@ impl<C: Capacity> Network for Residual<C> {
             let d = free.trailing_zeros() as usize;
             free &= free - 1;
             take(label, self.neighbour(v, d), opposite(d) as u8);
+        }
+    }
+
+    #[inline(always)]
+    fn each_lost<T: Side>(&self, parent: &[u8], v: usize, mut visit: impl FnMut(usize)) {
+        let mut lost = self.away::<T>(v) & with(parent, v, self.stride(), Self::LOST);
+        while lost != 0 {
+            let d = lost.trailing_zeros() as usize;
+            lost &= lost - 1;
+            visit(self.neighbour(v, d));
         }
     }
 

@@ -24,11 +24,15 @@
 //! white node is left to grow, no path is left either. [`crate::repair`] restores it after changes.
 
 use crate::capacity::Capacity;
+use crate::level::{Level, Pool};
 use crate::network::{Black, Network, Side, White};
 use crate::orphans::Orphans;
 
 /// How much farther than its parent a node is put when a tree grows.
 pub(crate) const GAP: i32 = 2;
+
+/// How many orphans of one path settle one by one; the rest of a large subtree settles as a whole.
+pub(crate) const PATIENCE: usize = 8192;
 
 /// How many nodes ahead of growth memory is fetched.
 const AHEAD: usize = 8;
@@ -38,13 +42,15 @@ pub(crate) struct Tree<A> {
     /// The level that has grown last; all below have.
     pub(crate) grown: i32,
     /// Nodes to grow, by distance modulo 2: at most two levels wait.
-    pub(crate) active: [Vec<u32>; GAP as usize],
+    pub(crate) active: [Level; GAP as usize],
+    pool: Pool,
     /// Whether the first level still grows from every root there is, without a list of them.
     pub(crate) seeded: bool,
     /// Grown nodes whose surroundings changed: to grow again before the next level.
     pub(crate) again: Vec<u32>,
-    spare: Vec<u32>,
     pub(crate) orphans: Orphans,
+    /// Nodes that wait to come back.
+    pub(crate) lost: Vec<u32>,
     /// The way from a node to its root: nodes, each with its arc to the next one.
     path: Vec<(u32, A)>,
 }
@@ -54,10 +60,11 @@ impl<A> Default for Tree<A> {
         Self {
             grown: 0,
             active: Default::default(),
+            pool: Pool::new(),
             seeded: false,
             again: Vec::new(),
-            spare: Vec::new(),
             orphans: Orphans::default(),
+            lost: Vec::new(),
             path: Vec::new(),
         }
     }
@@ -71,7 +78,7 @@ impl<A> Tree<A> {
     /// Lets `v`, at `distance` above the grown levels, grow with its level.
     #[inline(always)]
     pub(crate) fn activate(&mut self, v: usize, distance: i32) {
-        self.active[distance as usize % GAP as usize].push(v as u32);
+        self.active[distance as usize % GAP as usize].push(v, &mut self.pool);
     }
 }
 
@@ -84,6 +91,8 @@ pub(crate) struct Search<N: Network> {
     pub(crate) trees: [Tree<N::Arc>; 2],
     /// All positive excess.
     pub(crate) left: i64,
+    /// How many orphans settle one by one before the rest is [lost](crate::lost).
+    pub(crate) patience: usize,
 }
 
 impl<N: Network> Search<N> {
@@ -96,9 +105,9 @@ impl<N: Network> Search<N> {
 
     /// Leaves every node free.
     pub(crate) fn unrooted(network: N) -> Self {
-        let label = vec![N::Label::default(); network.len()];
-        let parent = vec![N::NONE; network.len()];
-        Self { network, label, parent, trees: Default::default(), left: 0 }
+        let nodes = network.len();
+        let (label, parent) = (vec![N::Label::default(); nodes], vec![N::NONE; nodes]);
+        Self { network, label, parent, trees: Default::default(), left: 0, patience: PATIENCE }
     }
 
     /// Forgets the trees, not the flow.
@@ -130,6 +139,11 @@ impl<N: Network> Search<N> {
         Some(())
     }
 
+    /// The labels alone; all else is let go.
+    pub(crate) fn into_labels(self) -> Vec<N::Label> {
+        self.label
+    }
+
     /// Whether the white terminal reaches `v`, once the search has run.
     #[inline(always)]
     pub(crate) fn is_white(&self, v: usize) -> bool {
@@ -155,21 +169,15 @@ impl<N: Network> Search<N> {
         if level + GAP + 1 >= N::Label::MAX {
             return None;
         }
-        let spare = std::mem::take(&mut tree.spare);
-        let mut active = std::mem::replace(&mut tree.active[slot], spare);
+        let active = std::mem::take(&mut tree.active[slot]);
         if std::mem::take(&mut tree.seeded) {
             self.grow_roots::<T>();
         }
-        for (n, &v) in active.iter().enumerate() {
-            if let Some(&soon) = active.get(n + AHEAD) {
-                self.network.prefetch(&self.label, soon as usize);
-            }
-            if self.distance::<T>(v as usize) == level {
-                self.grow::<T>(v as usize);
-            }
+        for mut block in active.blocks() {
+            self.grow_block::<T>(&block, level);
+            block.clear();
+            self.trees[T::INDEX].pool.push(block);
         }
-        active.clear();
-        self.trees[T::INDEX].spare = active;
         Some(())
     }
 
@@ -178,6 +186,18 @@ impl<N: Network> Search<N> {
         for v in 0..self.label.len() {
             if self.distance::<T>(v) == 1 {
                 self.grow::<T>(v);
+            }
+        }
+    }
+
+    /// Grows those of some nodes that are still at `level`.
+    fn grow_block<T: Side>(&mut self, nodes: &[u32], level: i32) {
+        for (n, &v) in nodes.iter().enumerate() {
+            if let Some(&soon) = nodes.get(n + AHEAD) {
+                self.network.prefetch(&self.label, soon as usize);
+            }
+            if self.distance::<T>(v as usize) == level {
+                self.grow::<T>(v as usize);
             }
         }
     }
@@ -287,11 +307,20 @@ impl<N: Network> Search<N> {
     }
 
     pub(crate) fn adopt<T: Side>(&mut self) {
+        let mut patience = self.patience;
         while let Some(v) = self.trees[T::INDEX].orphans.pop() {
             // A change may have made a root of it meanwhile.
             if self.parent[v] == N::NONE {
-                self.settle::<T>(v);
+                if patience > 0 {
+                    patience -= 1;
+                    self.settle::<T>(v);
+                } else {
+                    self.lose::<T>(v);
+                }
             }
+        }
+        if !self.trees[T::INDEX].lost.is_empty() {
+            self.recover::<T>();
         }
     }
 

@@ -162,6 +162,7 @@ impl<const N: usize> Network for Stencil<N> {
     type Label = i32;
     const ROOT: u32 = u32::MAX;
     const NONE: u32 = u32::MAX - 1;
+    const LOST: u32 = u32::MAX - 2;
 
     fn len(&self) -> usize {
         self.excess.len()
@@ -247,6 +248,15 @@ impl<const N: usize> Network for Stencil<N> {
         self.each_away::<T>(v, |spoke| {
             if label[spoke.head] == 0 {
                 take(label, spoke.head, self.back(v, spoke.arc));
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn each_lost<T: Side>(&self, parent: &[u32], v: usize, mut visit: impl FnMut(usize)) {
+        self.each_away::<T>(v, |spoke| {
+            if parent[spoke.head] == Self::LOST {
+                visit(spoke.head);
             }
         });
     }

@@ -127,6 +127,7 @@ impl Network for Residual {
     type Label = i32;
     const ROOT: u32 = NO_ARC - 1;
     const NONE: u32 = NO_ARC;
+    const LOST: u32 = NO_ARC - 2;
 
     fn len(&self) -> usize {
         self.excess.len()
@@ -209,6 +210,15 @@ impl Network for Residual {
             let w = self.head_of(a);
             if label[w] == 0 && self.is_open::<T>(a) {
                 take(label, w, self.arcs[a as usize].sister);
+            }
+        }
+    }
+
+    fn each_lost<T: Side>(&self, parent: &[u32], v: usize, mut visit: impl FnMut(usize)) {
+        for a in self.arcs_of(v) {
+            let w = self.head_of(a);
+            if parent[w] == Self::LOST && self.is_open::<T>(a) {
+                visit(w);
             }
         }
     }
