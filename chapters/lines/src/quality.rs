@@ -5,7 +5,7 @@
 
 use crate::film::{Film, FilmFrame};
 use crate::parameter::near::Near;
-use crate::parameter::net::{AGREES, REACH, direction, material};
+use crate::parameter::net::{AGREES, DEPTH, REACH, direction, material};
 use crate::stroke::Stroke;
 use rayon::prelude::*;
 
@@ -65,12 +65,16 @@ fn slides(here: &FilmFrame, next: &FilmFrame) -> Slides {
     let mut slides = Vec::new();
     for stroke in &here.strokes {
         for j in 0..stroke.samples.len() {
-            let Some((at, _)) = material(stroke, j, next) else { continue };
+            let Some((at, depth)) = material(stroke, j, next) else { continue };
             let along = direction(stroke, j);
+            let deep = DEPTH * next.view.size.1 as f64 * next.view.pixel(depth);
             let hit = near.nearest(at, REACH, |hit| {
                 let other = there[hit.segment.stroke as usize];
-                // Past a cusp the line comes back over itself the other way.
-                let fits = other.kind == stroke.kind && hit.segment.direction().dot(along) > AGREES;
+                // Past a cusp the line comes back over itself the other way, and what passes before
+                // a point or behind it is no place for it to be.
+                let fits = other.kind == stroke.kind
+                    && hit.segment.direction().dot(along) > AGREES
+                    && (hit.segment.depth(hit.share) - depth).abs() < deep;
                 fits.then_some(if other.id == stroke.id { 0.0 } else { NEARER })
             });
             // Beyond a stroke's end there is nothing to slide on.

@@ -36,6 +36,8 @@ pub(crate) struct Kept {
     pub(crate) cut_length: f64,
     /// What each link's two ends disagree by, in pixels, where textures are nearly rigid.
     pub(crate) residual: Vec<f64>,
+    /// Parameters where textures are nearly rigid.
+    pub(crate) u: Vec<f64>,
 }
 
 /// How links are judged.
@@ -89,6 +91,7 @@ impl Robust<'_> {
             cut: 0,
             cut_length: 0.0,
             residual: Vec::new(),
+            u,
         };
         for (i, (link, r)) in net.links.iter().zip(&residual).enumerate() {
             if r.abs() > SINGLE * self.sigma || median[&link.lines] > self.sigma {
@@ -154,5 +157,6 @@ pub(crate) fn all(net: &Net, energy: &Energy, scale: &[f64], period: &[Option<f6
     let u = guess(net, scale, period);
     let wraps = wraps(net, energy, period, &u);
     let trust = vec![1.0; net.links.len()];
-    Kept { trust, wraps, cut: 0, cut_length: 0.0, residual: vec![0.0; net.links.len()] }
+    let residual = vec![0.0; net.links.len()];
+    Kept { trust, wraps, cut: 0, cut_length: 0.0, residual, u }
 }

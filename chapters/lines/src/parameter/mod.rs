@@ -40,7 +40,7 @@ use std::collections::BTreeMap;
 /// How often strokes are cut where links contradict each other.
 const ROUNDS: usize = 4;
 /// A loop whose longest slice is longer than its shortest by more than this closes with a seam.
-const LOOP_GROWTH: f64 = 1.5;
+const LOOP_GROWTH: f64 = 1.3;
 
 /// What a parameterization took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -132,26 +132,23 @@ impl Parameters {
         let linked =
             |film: &Film, anneal: &[f64]| Self::linked(film, spacing, knobs, (anneal, run));
         let mut made = linked(film, &cut::ANNEAL)?;
-        match knobs.cuts {
-            Cuts::Charts => {
-                for _ in 0..ROUNDS {
-                    let residual = |i: u32| made.kept.residual[i as usize];
-                    let places = chart::contradictions(&made.net, &residual, sigma);
-                    if split::split(film, &made.net, &places) == 0 {
-                        break;
-                    }
-                    made = linked(film, &cut::AGAIN)?;
-                }
-            }
-            Cuts::Events | Cuts::Unpaired => {
-                let paired = knobs.cuts == Cuts::Events;
-                let (places, saved) = chart::events(&made.net, paired, sigma);
-                split::split(film, &made.net, &places);
-                made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
-            }
-            Cuts::Links | Cuts::None => {}
+        if matches!(knobs.cuts, Cuts::Charts | Cuts::Events | Cuts::Unpaired) {
+            let paired = knobs.cuts != Cuts::Unpaired;
+            let (places, saved) = chart::events(&made.net, paired, sigma);
+            split::split(film, &made.net, &places);
+            made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
         }
-        name::rename(film, &made.net, &made.kept.trust);
+        if matches!(knobs.cuts, Cuts::Charts | Cuts::Contradictions) {
+            for _ in 0..ROUNDS {
+                let residual = |i: u32| made.kept.residual[i as usize];
+                let places = chart::contradictions(&made.net, &residual, sigma);
+                if split::split(film, &made.net, &places) == 0 {
+                    break;
+                }
+                made = Self { saved: made.saved, ..linked(film, &cut::AGAIN)? };
+            }
+        }
+        name::rename(film, &made.net, &made.kept, &made.scale);
         Ok(made)
     }
 
@@ -262,9 +259,9 @@ fn sizes(film: &Film, net: &Net, knobs: &LinesKnobs) -> (Vec<f64>, Vec<Option<f6
         let turns = |l: &u32| net.lines[*l as usize].total() / scale[*l as usize];
         let (low, high) =
             lines.iter().map(turns).fold((f64::INFINITY, 0.0f64), |a, t| (a.0.min(t), a.1.max(t)));
-        let mean = lines.iter().map(turns).sum::<f64>() / lines.len() as f64;
         if high <= LOOP_GROWTH * low {
-            let whole = mean.round().max(1.0);
+            // As far from the shortest as from the longest, in octaves.
+            let whole = (low * high).sqrt().round().max(1.0);
             lines.iter().for_each(|l| period[*l as usize] = Some(whole));
         }
     }

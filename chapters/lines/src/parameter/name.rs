@@ -1,14 +1,22 @@
 //! Names: ids of strokes after they were cut and linked.
 //!
-//! A line keeps its id along the links that its texture follows: first where two lines are each
-//! other's best, then where one is a part of the other, heaviest first; what was one line before it
-//! was hidden comes last. Never two lines of one frame unless they are parts of one chain.
+//! An id is a chart: in every frame a length of texture of its own, of which parts may be hidden. So
+//! lines join where links that are trusted lead from one to the other, first where two are each
+//! other's best, then heaviest first; what was one line before it was hidden comes last. Lines of
+//! one frame share an id where their stretches of u lie beside each other, as when a line is parted
+//! by what passes before it or by a saddle; never where they overlap.
 
-use super::net::{Net, strokes};
+use super::cut::Kept;
+use super::net::{Line, Net, strokes};
 use crate::film::Film;
 use crate::path::Kind;
-use crate::track::Groups;
 use std::collections::BTreeMap;
+
+/// Stretches of u may overlap by this share of the shorter, and by these pixels at least.
+const OVERLAP: f64 = 0.1;
+const LEAST: f64 = 8.0;
+/// Links that were cut count against a line's going on where they are this share of all.
+const CUT: f64 = 0.5;
 
 /// Links from one line to another.
 struct Bundle {
@@ -17,24 +25,37 @@ struct Bundle {
     mutual: bool,
 }
 
-/// Gives the strokes of a film ids that follow the links that are trusted.
-pub(crate) fn rename(film: &mut Film, net: &Net, trust: &[f64]) {
-    let (mut frames, mut chains, mut old) = (Vec::new(), Vec::new(), Vec::new());
-    for (f, frame) in film.frames.iter().enumerate() {
-        for s in strokes(frame) {
-            frames.push(f as u32);
-            chains.push(s.chain * Kind::ALL.len() as u32 + s.kind as u32);
-            old.push(s.id);
-        }
+/// What a line covers in its frame.
+#[derive(Clone, Copy)]
+struct Span {
+    frame: u32,
+    /// Stretch of u in pixels; all of it where the line is closed.
+    from: f64,
+    to: f64,
+    /// A number that tells its chain from others of the frame.
+    chain: u32,
+}
+
+/// Gives the strokes of a film ids that follow the links that are trusted. `scale`: pixels a unit of
+/// u for each line.
+pub(crate) fn rename(film: &mut Film, net: &Net, kept: &Kept, scale: &[f64]) {
+    let (mut spans, mut old) = (Vec::new(), Vec::new());
+    for s in film.frames.iter().flat_map(strokes) {
+        let line = spans.len();
+        let chain = s.chain * Kind::ALL.len() as u32 + s.kind as u32;
+        spans.push(span(&net.lines[line], &kept.u, scale[line], chain));
+        old.push(s.id);
     }
-    let mut groups = Groups::of(&frames, &chains);
-    for bundle in bundles(net, trust) {
-        groups.join(bundle.lines[0], bundle.lines[1]);
+    let mut groups = Groups::of(spans);
+    for bundle in bundles(net, &kept.trust) {
+        groups.join(bundle.lines, |a, b| overlaps(a, b));
     }
+    let apart = kept_apart(net, &kept.trust);
     let mut seen: BTreeMap<u32, u32> = BTreeMap::new();
     for (line, id) in old.iter().enumerate() {
-        if let Some(before) = seen.insert(*id, line as u32) {
-            groups.join(before, line as u32);
+        let lines = seen.insert(*id, line as u32).map(|before| [before, line as u32]);
+        if let Some(lines) = lines.filter(|l| !apart.contains_key(l)) {
+            groups.join(lines, |a, b| a.chain != b.chain);
         }
     }
     let mut names: BTreeMap<u32, u32> = BTreeMap::new();
@@ -49,14 +70,39 @@ pub(crate) fn rename(film: &mut Film, net: &Net, trust: &[f64]) {
     film.settle_events();
 }
 
+fn span(line: &Line, u: &[f64], scale: f64, chain: u32) -> Span {
+    let ends = [line.first, line.first + line.count - 1].map(|k| scale * u[k as usize]);
+    let [from, to] = if line.closed { [f64::NEG_INFINITY, f64::INFINITY] } else { ends };
+    Span { frame: line.frame, from, to, chain }
+}
+
+fn overlaps(a: &Span, b: &Span) -> bool {
+    let shared = a.to.min(b.to) - a.from.max(b.from);
+    let shorter = (a.to - a.from).min(b.to - b.from);
+    shared > LEAST.max(OVERLAP * shorter)
+}
+
+/// Weight of the links from line to line: those that are trusted, and all.
+fn weights(net: &Net, trust: &[f64]) -> BTreeMap<[u32; 2], [f64; 2]> {
+    let mut weights: BTreeMap<[u32; 2], [f64; 2]> = BTreeMap::new();
+    for (link, trust) in net.links.iter().zip(trust) {
+        let sums = weights.entry(link.lines).or_insert([0.0; 2]);
+        sums[0] += trust * link.weight;
+        sums[1] += link.weight;
+    }
+    weights
+}
+
+/// Lines whose links were mostly cut.
+fn kept_apart(net: &Net, trust: &[f64]) -> BTreeMap<[u32; 2], [f64; 2]> {
+    weights(net, trust).into_iter().filter(|(_, w)| w[0] < CUT * w[1]).collect()
+}
+
 /// Bundles of trusted links in the order in which they join: mutual ones first, then by weight.
 fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
-    let mut weights: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-    for (link, trust) in net.links.iter().zip(trust) {
-        *weights.entry(link.lines).or_insert(0.0) += trust * link.weight;
-    }
+    let weights = weights(net, trust);
     let mut best: [BTreeMap<u32, (f64, u32)>; 2] = [BTreeMap::new(), BTreeMap::new()];
-    for (lines, weight) in &weights {
+    for (lines, [weight, _]) in &weights {
         for side in [0, 1] {
             let entry = best[side].entry(lines[side]).or_insert((0.0, u32::MAX));
             if *weight > entry.0 {
@@ -67,8 +113,8 @@ fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
     let is_best = |lines: &[u32; 2], side: usize| best[side][&lines[side]].1 == lines[1 - side];
     let mut bundles: Vec<Bundle> = weights
         .iter()
-        .filter(|(_, weight)| **weight > 0.0)
-        .map(|(lines, weight)| Bundle {
+        .filter(|(_, [weight, _])| *weight > 0.0)
+        .map(|(lines, [weight, _])| Bundle {
             lines: *lines,
             weight: *weight,
             mutual: is_best(lines, 0) && is_best(lines, 1),
@@ -78,4 +124,78 @@ fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
         b.mutual.cmp(&a.mutual).then(b.weight.total_cmp(&a.weight)).then(a.lines.cmp(&b.lines))
     });
     bundles
+}
+
+/// Groups of lines with what they cover in each frame.
+struct Groups {
+    parent: Vec<u32>,
+    /// Spans of each root's group, frames rising.
+    spans: Vec<Vec<Span>>,
+}
+
+impl Groups {
+    fn of(spans: Vec<Span>) -> Self {
+        let parent = (0..spans.len() as u32).collect();
+        Self { parent, spans: spans.into_iter().map(|s| vec![s]).collect() }
+    }
+
+    fn root(&mut self, x: u32) -> u32 {
+        super::chart::root(&mut self.parent, x)
+    }
+
+    /// Joins the groups of two lines unless two of their lines in one frame clash.
+    fn join(&mut self, lines: [u32; 2], clash: impl Fn(&Span, &Span) -> bool) {
+        let [a, b] = lines.map(|l| self.root(l));
+        if a == b || self.clashes(a, b, clash) {
+            return;
+        }
+        let (root, other) = (a.min(b), a.max(b));
+        self.parent[other as usize] = root;
+        let moved = std::mem::take(&mut self.spans[other as usize]);
+        let all = &mut self.spans[root as usize];
+        all.extend(moved);
+        all.sort_by_key(|s| s.frame);
+    }
+
+    fn clashes(&self, a: u32, b: u32, clash: impl Fn(&Span, &Span) -> bool) -> bool {
+        let (a, b) = (&self.spans[a as usize], &self.spans[b as usize]);
+        let (few, many) = if a.len() < b.len() { (a, b) } else { (b, a) };
+        few.iter().any(|s| {
+            let start = many.partition_point(|m| m.frame < s.frame);
+            many[start..].iter().take_while(|m| m.frame == s.frame).any(|m| clash(s, m))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn span(frame: u32, from: f64, to: f64) -> Span {
+        Span { frame, from, to, chain: 0 }
+    }
+
+    #[test]
+    fn parts_that_lie_beside_each_other_share_a_name() {
+        // One line, then its two halves, then a third that lies over the second.
+        let spans = vec![
+            span(0, 0.0, 100.0),
+            span(1, 0.0, 40.0),
+            span(1, 42.0, 100.0),
+            span(1, 50.0, 90.0),
+        ];
+        let mut groups = Groups::of(spans);
+        for b in 1..4 {
+            groups.join([0, b], overlaps);
+        }
+        let roots: Vec<u32> = (0..4).map(|i| groups.root(i)).collect();
+        assert_eq!(roots, [0, 0, 0, 3]);
+    }
+
+    #[test]
+    fn nothing_lies_beside_a_closed_line() {
+        let whole = span(0, f64::NEG_INFINITY, f64::INFINITY);
+        assert!(overlaps(&whole, &span(0, 0.0, 30.0)));
+        assert!(!overlaps(&span(0, 0.0, 30.0), &span(0, 25.0, 60.0)));
+    }
 }

@@ -16,7 +16,7 @@ pub(crate) const REACH: f64 = 8.0;
 /// Cosine of the largest angle between a line and where it goes.
 pub(crate) const AGREES: f64 = 0.5;
 /// Parts of the picture's height by which a contour may leave its material point in depth.
-const DEPTH: f64 = 0.08;
+pub(crate) const DEPTH: f64 = 0.04;
 /// Pixels that another id seems further away.
 const OTHER_ID: f64 = 2.0;
 /// A stroke's end meets another's within this distance, pixels.

@@ -3,11 +3,15 @@
 use super::chart::Place;
 use super::net::Net;
 use crate::film::Film;
-use crate::stroke::Stroke;
+use crate::stroke::{Sample, Stroke};
 use std::collections::BTreeMap;
 
 /// Pieces are no shorter than this, pixels.
 const SHORTEST: f64 = 3.0;
+/// What is left out on either side of a cut, so that points beside it stay on their side, pixels.
+const TRIM: f64 = 0.5;
+/// Samples nearer than this to an end give way to it, pixels.
+const SAME: f64 = 0.05;
 
 /// Cuts the film's strokes; answers how many cuts were made. Lines of `net` are its strokes.
 pub(crate) fn split(film: &mut Film, net: &Net, places: &[Place]) -> usize {
@@ -40,7 +44,7 @@ pub(crate) fn split(film: &mut Film, net: &Net, places: &[Place]) -> usize {
 /// A stroke cut at some lengths.
 fn pieces(stroke: Stroke, mut at: Vec<f64>) -> Vec<Stroke> {
     at.sort_unstable_by(f64::total_cmp);
-    let mut rest = if stroke.closed { opened(stroke, &mut at) } else { stroke };
+    let mut rest = if stroke.closed { opened(&stroke, &mut at) } else { stroke };
     let mut pieces = Vec::new();
     let mut done = 0.0;
     for cut in at {
@@ -48,47 +52,49 @@ fn pieces(stroke: Stroke, mut at: Vec<f64>) -> Vec<Stroke> {
         if here < SHORTEST || here > rest.total() - SHORTEST {
             continue;
         }
-        let (head, tail) = parted(rest, here);
-        done += head.total();
-        pieces.push(head);
-        rest = tail;
+        pieces.push(part(&rest, 0.0, here - TRIM));
+        rest = part(&rest, here + TRIM, rest.total());
+        done = cut + TRIM;
     }
     pieces.push(rest);
     pieces
 }
 
 /// A closed stroke opened at the first cut, from which the others are measured then.
-fn opened(mut stroke: Stroke, at: &mut Vec<f64>) -> Stroke {
-    let Some(first) = at.first().copied() else { return stroke };
+fn opened(stroke: &Stroke, at: &mut Vec<f64>) -> Stroke {
     let total = stroke.total();
-    let n = stroke.samples.len();
-    let k = stroke.length.partition_point(|l| *l <= first).saturating_sub(1).min(n - 1);
-    stroke.samples.rotate_left(k);
-    let start = stroke.samples[0];
-    stroke.samples.push(start);
-    stroke.closed = false;
-    let moved = stroke.length[k];
-    stroke.measure();
-    at.remove(0);
-    at.iter_mut().for_each(|l| *l = (*l - moved).rem_euclid(total));
+    if at.is_empty() || total < 2.0 * SHORTEST {
+        at.clear();
+        return stroke.clone();
+    }
+    let start = at.remove(0) + TRIM;
+    at.iter_mut().for_each(|l| *l = (*l - start).rem_euclid(total));
     at.sort_unstable_by(f64::total_cmp);
-    stroke
+    let first = part(stroke, start, total);
+    let mut open = part(stroke, 0.0, start - 2.0 * TRIM);
+    open.samples.splice(0..0, first.samples[..first.samples.len() - 1].iter().copied());
+    open.measure();
+    open
 }
 
-/// The two parts of an open stroke, with a sample at the cut in both.
-fn parted(stroke: Stroke, at: f64) -> (Stroke, Stroke) {
+/// The part of a stroke between two lengths, open.
+fn part(stroke: &Stroke, from: f64, to: f64) -> Stroke {
+    let inside = |l: &f64| *l > from + SAME && *l < to - SAME;
     let n = stroke.samples.len();
-    let k = stroke.length.partition_point(|l| *l <= at).clamp(1, n - 1);
-    let (a, b) = (stroke.length[k - 1], stroke.length[k]);
-    let share = if b > a { (at - a) / (b - a) } else { 0.5 };
-    let cut = stroke.samples[k - 1].toward(&stroke.samples[k], share);
-    let mut head = stroke.clone();
-    head.samples.truncate(k);
-    head.samples.push(cut);
-    let mut tail = stroke;
-    tail.samples.drain(..k);
-    tail.samples.insert(0, cut);
-    head.measure();
-    tail.measure();
-    (head, tail)
+    let within = (0..n).filter(|&k| inside(&stroke.length[k])).map(|k| stroke.samples[k]);
+    let ends = [from, to].map(|l| sample_at(stroke, l));
+    let mut part = stroke.clone();
+    part.samples = std::iter::once(ends[0]).chain(within).chain([ends[1]]).collect();
+    part.closed = false;
+    part.measure();
+    part
+}
+
+/// The sample at a length.
+fn sample_at(stroke: &Stroke, at: f64) -> Sample {
+    let (s, l) = (&stroke.samples, &stroke.length);
+    let k = l.partition_point(|x| *x <= at).clamp(1, l.len() - 1);
+    let span = l[k] - l[k - 1];
+    let share = if span > 0.0 { ((at - l[k - 1]) / span).clamp(0.0, 1.0) } else { 0.0 };
+    s[k - 1].toward(&s[k % s.len()], share)
 }

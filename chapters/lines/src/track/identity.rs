@@ -148,21 +148,21 @@ fn spread(memory: &mut [u32], strands: &Strands) {
 }
 
 /// Groups of strokes with those of one chain in each frame.
-pub(crate) struct Groups {
+struct Groups {
     parent: Vec<u32>,
     /// Frames of each root's group with the chain there, rising.
     frames: Vec<Vec<(u32, u32)>>,
 }
 
 impl Groups {
-    pub(crate) fn of(frames: &[u32], chains: &[u32]) -> Self {
+    fn of(frames: &[u32], chains: &[u32]) -> Self {
         Self {
             parent: (0..frames.len() as u32).collect(),
             frames: frames.iter().zip(chains).map(|(f, c)| vec![(*f, *c)]).collect(),
         }
     }
 
-    pub(crate) fn root(&mut self, mut x: u32) -> u32 {
+    fn root(&mut self, mut x: u32) -> u32 {
         while self.parent[x as usize] != x {
             self.parent[x as usize] = self.parent[self.parent[x as usize] as usize];
             x = self.parent[x as usize];
@@ -170,7 +170,7 @@ impl Groups {
         x
     }
 
-    pub(crate) fn join(&mut self, a: u32, b: u32) {
+    fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         if a == b {
             return;

@@ -9,7 +9,6 @@ mod identity;
 mod kinetic;
 mod order;
 
-pub(crate) use identity::Groups;
 pub use identity::{Identity, Strands};
 pub use kinetic::{Event, EventKind, Interval, Kinetic};
 pub use order::Order;
