@@ -1,18 +1,60 @@
 //! Sliding, stretch, folds and seconds of every method: rows L1 to L3.
 //!
-//! `cargo bench -p chiaro-lines --bench parameters` runs all; names choose scenes (bumpy-torus,
-//! peanut, head, and so on), `--degrees 6` how fast scenes that stand still are turned, `--frames N`
+//! `cargo bench -p chiaro-lines --bench parameters` runs all methods on all scenes; names choose scenes
+//! (bumpy-torus, peanut, head, and so on), `--degrees 6` how fast scenes that stand still are turned, `--frames N`
 //! the length, `--set key=value` any knob, `--coherence` a row for each of its values, `--live` the
 //! frames a second of the interactive variant (row L8) instead.
 
 #![allow(clippy::print_stdout)]
+#![allow(unsafe_code, reason = "an allocator that counts can only be written so")]
 
 use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Knobs, Run};
 use chiaro_lines::parameter::{Live, Parameters, Weights, parameterize};
 use chiaro_lines::{Film, Ground, LinesKnobs, Method, Posed, Reel, View, measure, quality};
 use chiaro_scene::{Choice, Pose, Poser, Projection, demo};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
+
+/// Scenes when none is named.
+const SCENES: [&str; 10] = [
+    "bumpy-torus",
+    "torus",
+    "peanut",
+    "golf-ball",
+    "multipod",
+    "metaballs",
+    "head",
+    "desk",
+    "bowl",
+    "cactus",
+];
+
+/// Counts the bytes that live, and the most that ever did.
+struct Counting;
+
+static LIVE: AtomicUsize = AtomicUsize::new(0);
+static MOST: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is handed on to the system's allocator as it is.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let live = LIVE.fetch_add(layout.size(), Relaxed) + layout.size();
+        MOST.fetch_max(live, Relaxed);
+        // SAFETY: the layout is the caller's.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        LIVE.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: it came from `alloc` with this layout.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -30,7 +72,7 @@ fn main() {
     if words.iter().any(|w| w == "--live") {
         return named.iter().for_each(|name| live(name, &knobs));
     }
-    for name in if named.is_empty() { vec!["bumpy-torus"] } else { named } {
+    for name in if named.is_empty() { SCENES.to_vec() } else { named } {
         let found = film(name, frames, number("--degrees", 1.5), &knobs);
         if curve { coherence(&found, &knobs) } else { methods(&found, &knobs) }
     }
@@ -87,29 +129,49 @@ fn live(name: &str, knobs: &LinesKnobs) {
 
 fn methods(found: &Film, knobs: &LinesKnobs) {
     println!(
-        "  {:<10} {:>8} {:>7} {:>7} {:>8} {:>6} {:>8} {:>7} {:>7} {:>7}",
-        "method", "slide", "over 2", "jumps", "stretch", "folds", "mended", "cut", "strokes", "ms"
+        "  {:<10} {:>8} {:>7} {:>7} {:>6} {:>8} {:>6} {:>6} {:>6} {:>7} {:>6} {:>6} {:>7} {:>6}",
+        "method",
+        "slide",
+        "over 2",
+        "jumps",
+        "pops",
+        "stretch",
+        "folds",
+        "mended",
+        "cut",
+        "strokes",
+        "life",
+        "1 to 1",
+        "ms",
+        "MB"
     );
     let methods = [Method::Global, Method::Propagate, Method::Diffuse, Method::Arclength];
     for method in methods {
         let mut film = found.clone();
+        let before = LIVE.load(Relaxed);
+        MOST.store(before, Relaxed);
         let start = Instant::now();
         let knobs = LinesKnobs { method, ..knobs.clone() };
         let solved = parameterize(&mut film, &[], &knobs, &Run::default()).expect("it is solved");
         let seconds = start.elapsed().as_secs_f64();
-        let q = quality(&film);
+        let bytes = MOST.load(Relaxed) - before;
+        let (q, m) = (quality(&film), measure(&film));
         println!(
-            "  {:<10} {:>8.3} {:>6.2}% {:>6.2}% {:>8.3} {:>6} {:>8} {:>6.2}% {:>7} {:>7.1}",
+            "  {:<10} {:>8.3} {:>6.2}% {:>6.2}% {:>6.1} {:>8.3} {:>6} {:>6} {:>5.2}% {:>7} {:>6.1} {:>6.4} {:>7.1} {:>6.1}",
             format!("{method:?}"),
             q.slide_p95,
             100.0 * q.slide_over_2,
             100.0 * q.jumps,
+            q.ink_pop_p99,
             q.stretch_p95,
             q.folds,
             solved.mended,
             100.0 * solved.cut as f64 / solved.links.max(1) as f64,
-            measure(&film).strokes,
+            m.strokes,
+            m.mean_life_frames,
+            m.one_to_one,
             1e3 * seconds,
+            bytes as f64 / 1e6,
         );
     }
 }

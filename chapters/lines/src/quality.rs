@@ -15,8 +15,13 @@ const SEEN: f64 = 2.0;
 const JUMP: f64 = 8.0;
 /// The frame pair is broken when this share of its lines jumps.
 const BROKEN: f64 = 0.2;
+/// What counts as going round.
+const LEAST_PERIOD: f64 = 1e-6;
 /// Pixels by which another stroke must be nearer to take a material point away.
 const NEARER: f64 = 2.0;
+
+/// The pattern by which pops are measured, pixels.
+const PATTERN: f64 = 24.0;
 
 /// How well a film is parameterized.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +34,10 @@ pub struct Quality {
     pub jumps: f64,
     /// Share of frame pairs of which a fifth jumps.
     pub broken_pairs: f64,
+    /// 99th percentile over frame pairs of the longest stretch of line that turns from ink to paper or
+    /// back along the motion, where half of every 24 pixels of u is ink: what is seen of
+    /// jumps and sliding at once, pixels.
+    pub ink_pop_p99: f64,
     /// 95th percentile of |log2 (du / ds)|, in octaves.
     pub stretch_p95: f64,
     /// Segments on which u does not rise.
@@ -38,13 +47,21 @@ pub struct Quality {
 /// A frame pair's samples: sliding in pixels, whether the id stays, and length.
 type Slides = Vec<(f64, bool, f64)>;
 
+/// What is found between two frames.
+#[derive(Default)]
+struct Pair {
+    slides: Slides,
+    /// The longest stretch of line that turns from ink to paper or back.
+    pop: f64,
+}
+
 /// Measures the seen strokes of a film.
 pub fn quality(film: &Film) -> Quality {
-    let pairs: Vec<Slides> =
-        film.frames.par_windows(2).filter(|p| !p[1].begins).map(|p| slides(&p[0], &p[1])).collect();
-    let jumps = |s: &Slides| share(s.iter().map(|x| (x.2, x.0 > JUMP || !x.1)));
-    let broken = pairs.iter().filter(|s| jumps(s) >= BROKEN).count();
-    let all: Slides = pairs.concat();
+    let windows = film.frames.par_windows(2).filter(|p| !p[1].begins);
+    let pairs: Vec<Pair> = windows.map(|p| pair(&p[0], &p[1])).collect();
+    let jumps = |s: &[(f64, bool, f64)]| share(s.iter().map(|x| (x.2, x.0 > JUMP || !x.1)));
+    let broken = pairs.iter().filter(|p| jumps(&p.slides) >= BROKEN).count();
+    let all: Slides = pairs.iter().flat_map(|p| p.slides.iter().copied()).collect();
     let strokes = || film.frames.iter().flat_map(|f| &f.strokes);
     let slopes: Vec<(f64, f64)> = strokes().flat_map(slopes).collect();
     let octaves = |s: &(f64, f64)| if s.0 > 0.0 { s.0.log2().abs() } else { f64::INFINITY };
@@ -52,6 +69,7 @@ pub fn quality(film: &Film) -> Quality {
         slide_p95: percentile(all.iter().map(|x| (x.0, x.2)).collect(), 0.95),
         slide_over_2: share(all.iter().map(|x| (x.2, x.0 > SEEN))),
         jumps: jumps(&all),
+        ink_pop_p99: percentile(pairs.iter().map(|p| (p.pop, 1.0)).collect(), 0.99),
         broken_pairs: if pairs.is_empty() { 0.0 } else { broken as f64 / pairs.len() as f64 },
         stretch_p95: percentile(slopes.iter().map(|s| (octaves(s), s.1)).collect(), 0.95),
         folds: slopes.iter().filter(|s| s.0 <= 0.0).count(),
@@ -59,11 +77,13 @@ pub fn quality(film: &Film) -> Quality {
 }
 
 /// Sliding of every sample whose material point meets a line of its kind.
-fn slides(here: &FilmFrame, next: &FilmFrame) -> Slides {
+fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
     let there: Vec<&Stroke> = next.strokes.iter().collect();
     let near = Near::of(there.iter().copied(), &next.view);
-    let mut slides = Vec::new();
+    let mut pair = Pair::default();
     for stroke in &here.strokes {
+        let weight = stroke.total() / stroke.samples.len() as f64;
+        let mut run = 0.0;
         for j in 0..stroke.samples.len() {
             let Some((at, depth)) = material(stroke, j, next) else { continue };
             let along = direction(stroke, j);
@@ -83,15 +103,19 @@ fn slides(here: &FilmFrame, next: &FilmFrame) -> Slides {
             let k = hit.segment.first as usize;
             let u = other.u[k] + (other.u[k + 1] - other.u[k]) * hit.share;
             let mut du = u - stroke.u[j];
-            for period in [stroke.u_period, other.u_period].into_iter().flatten() {
-                du -= (du / period.max(f64::MIN_POSITIVE)).round() * period;
+            let periods = [stroke.u_period, other.u_period].into_iter().flatten();
+            for period in periods.filter(|p| *p > LEAST_PERIOD) {
+                du -= (du / period).round() * period;
             }
             let scale = 0.5 * (stroke.pixels_per_u + other.pixels_per_u);
-            let weight = stroke.total() / stroke.samples.len() as f64;
-            slides.push((scale * du.abs(), other.id == stroke.id, weight));
+            pair.slides.push((scale * du.abs(), other.id == stroke.id, weight));
+            let ink = |u: f64| (scale * u / PATTERN).rem_euclid(1.0) < 0.5;
+            // Whole turns of a loop are no change.
+            run = if ink(stroke.u[j]) == ink(stroke.u[j] + du) { 0.0 } else { run + weight };
+            pair.pop = pair.pop.max(run);
         }
     }
-    slides
+    pair
 }
 
 /// L du / ds and ds of each segment.
@@ -130,12 +154,13 @@ fn percentile(mut items: Vec<(f64, f64)>, at: f64) -> f64 {
 
 impl Quality {
     /// Names and values for records.
-    pub fn named(&self) -> [(&'static str, f64); 6] {
+    pub fn named(&self) -> [(&'static str, f64); 7] {
         [
             ("slide_p95_px", self.slide_p95),
             ("slide_over_2px", self.slide_over_2),
             ("jump_share", self.jumps),
             ("broken_pairs_share", self.broken_pairs),
+            ("ink_pop_p99_px", self.ink_pop_p99),
             ("stretch_p95_octaves", self.stretch_p95),
             ("folds", self.folds as f64),
         ]

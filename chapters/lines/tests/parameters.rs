@@ -178,12 +178,15 @@ fn octaves_follow_a_zoom() {
 
 #[test]
 fn every_way_to_cut_and_link_folds_nothing() {
-    for cuts in [Cuts::Charts, Cuts::Links, Cuts::Events, Cuts::Unpaired, Cuts::None] {
+    let together = [Cuts::Charts, Cuts::Contradictions];
+    for cuts in together.into_iter().chain([Cuts::Links, Cuts::Events, Cuts::Unpaired, Cuts::None])
+    {
         for links in [Links::Projected, Links::Swept] {
             let mut film = torus_film(10, 6.0);
             let (solved, q) = solve(&mut film, &LinesKnobs { cuts, links, ..plain() });
             assert_eq!(q.folds, 0, "{cuts:?} {links:?}");
-            assert_eq!(solved.saved.is_some(), matches!(cuts, Cuts::Events | Cuts::Unpaired));
+            let at_events = [Cuts::Charts, Cuts::Events, Cuts::Unpaired].contains(&cuts);
+            assert_eq!(solved.saved.is_some(), at_events);
         }
     }
     let counted = |cuts: Cuts| {
@@ -237,6 +240,29 @@ fn diffusion_goes_frame_by_frame_without_a_future() {
     assert!(pens.iter().all(|w| (w - 2.0).abs() < 1e-9), "a constant stays one");
     let q = quality(&film);
     assert!(q.slide_p95 < 4.0, "{q:?}");
+}
+
+#[test]
+fn textures_stay_on_loops_whose_ends_meet() {
+    // A ball that is looked at from all round: one closed silhouette in every frame.
+    let (p, t) = ball(48, 24);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let at = |i: usize| {
+        let a = 0.02 * i as f32;
+        (still.clone(), view(vec3(4.0 * a.sin(), 0.5, 4.0 * a.cos())))
+    };
+    for method in [Method::Global, Method::Diffuse, Method::Propagate] {
+        let mut film = film(&scene, 8, &at);
+        assert!(film.frames.iter().all(|f| f.strokes.len() == 1 && f.strokes[0].closed));
+        let (_, q) = solve(&mut film, &LinesKnobs { method, ..plain() });
+        assert!(q.slide_p95.is_finite() && q.stretch_p95.is_finite(), "{method:?} {q:?}");
+        if method != Method::Propagate {
+            assert!(q.slide_over_2 < 0.05 && q.folds == 0, "{method:?} {q:?}");
+            let [first, last] = [0, 7].map(|f| film.frames[f].strokes[0].u_period.unwrap_or(0.0));
+            assert!((last - first).abs() < 0.05 * first, "{method:?}: {first} {last}");
+        }
+    }
 }
 
 #[test]

@@ -64,6 +64,8 @@ struct Vertex {
     along: DVec2,
     /// In pixels.
     u: f64,
+    /// Once round its line in pixels, if it was closed.
+    period: Option<f64>,
     gesture: Gesture,
 }
 
@@ -84,6 +86,8 @@ pub struct Diffused {
     pub variance: f64,
     /// Sum of the weights: none was near where it is 0.
     pub weight: f64,
+    /// Once round in pixels, where the line was closed: the mean holds up to whole turns.
+    pub period: Option<f64>,
 }
 
 impl Diffused {
@@ -184,12 +188,13 @@ impl Diffuser {
     fn mean(&self, stroke: &Stroke, j: usize, view: &View) -> Diffused {
         let asker = Asker::of(stroke, j, view);
         let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
-        let mut origin = None;
+        let (mut origin, mut period) = (None, None);
         self.around(asker.at, FAR * SPREAD, |v| {
             let w = asker.weight(v, SPREAD);
             let here = v.u + v.along.dot(asker.at - v.at);
             // Sums of squares keep their digits near the first value.
-            let u = here - *origin.get_or_insert(here);
+            let u = nearest_turn(here - *origin.get_or_insert(here), v.period);
+            period = period.or(v.period);
             sum += w;
             first += w * u;
             second += w * u * u;
@@ -199,7 +204,7 @@ impl Diffuser {
         }
         let mean = first / sum;
         let variance = (second / sum - mean * mean).max(0.0);
-        Diffused { mean: mean + origin.unwrap_or(0.0), variance, weight: sum }
+        Diffused { mean: mean + origin.unwrap_or(0.0), variance, weight: sum, period }
     }
 
     fn gesture(&self, stroke: &Stroke, j: usize, view: &View) -> Option<Gesture> {
@@ -270,6 +275,7 @@ fn vertices(stroke: &Stroke) -> impl Iterator<Item = Vertex> + '_ {
         normal: s.normal,
         along: along(stroke, j),
         u: stroke.u[j] * stroke.pixels_per_u,
+        period: stroke.u_period.map(|p| p * stroke.pixels_per_u).filter(|p| *p > 0.0),
         gesture: Gesture::default(),
     })
 }
@@ -293,11 +299,37 @@ fn reconstruct(stroke: &Stroke, diffused: &[Diffused]) -> Vec<f64> {
         fit.step(k, ratio * world(k), WORLD * w);
     }
     let pixels = stroke.total() / n as f64;
-    for (k, d) in diffused.iter().enumerate().filter(|(_, d)| d.weight > 0.0) {
-        fit.value(k, 0.0, d.mean, DIFFUSED * pixels * d.weight.min(1.0));
+    for (k, mean, weight) in unwound(stroke, diffused) {
+        fit.value(k, 0.0, mean, DIFFUSED * pixels * weight.min(1.0));
     }
     fit.value(0, 0.0, 0.0, 1e-9);
     fit.solve()
+}
+
+/// What is left of a difference after whole turns.
+fn nearest_turn(u: f64, period: Option<f64>) -> f64 {
+    period.map_or(u, |p| u - (u / p).round() * p)
+}
+
+/// Sample, mean and weight of what was diffused, each mean on the turn that goes on from the one
+/// before; of a loop that stays one, its first sample again once round.
+fn unwound(stroke: &Stroke, diffused: &[Diffused]) -> Vec<(usize, f64, f64)> {
+    let mut unwound: Vec<(usize, f64, f64)> = Vec::new();
+    let mut last: Option<(f64, f64)> = None;
+    for (k, d) in diffused.iter().enumerate().filter(|(_, d)| d.weight > 0.0) {
+        let length = stroke.length[k];
+        let mean = last.map_or(d.mean, |(mean, at)| {
+            let expected = mean + length - at;
+            expected + nearest_turn(d.mean - expected, d.period)
+        });
+        last = Some((mean, length));
+        unwound.push((k, mean, d.weight));
+    }
+    if let (true, Some((0, mean, weight))) = (stroke.closed, unwound.first().copied()) {
+        let round = diffused[0].period.map(|p| (stroke.length.len() - 1, mean + p, weight));
+        unwound.extend(round);
+    }
+    unwound
 }
 
 /// Parameterizes a film, one frame after the other.
