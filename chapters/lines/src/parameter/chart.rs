@@ -1,12 +1,12 @@
 //! Charts: lines of a film cut so that merges and splits lie on chart borders (section 4.7).
 //!
 //! A cut is a place on a line in one frame, and where it goes in the frames after it or before it,
-//! until it leaves the line. Two ways to choose the cuts:
+//! until it leaves the line. Two ways to choose the cuts, by default one after the other:
 //!
 //! *At contradictions* ([`contradictions`]): where a robust solve finds links that cannot be had with
 //! the rest (a ring whose gap wanders asks a stretch to be at both ends of the line at once), the
 //! stretch they lead to is followed to the nearest frame, ahead or behind, in which it is joined to
-//! the rest of a line. There it is kept apart. Lines whose merges agree are never cut.
+//! the rest of a line. There it is kept apart.
 //!
 //! *At events* ([`events`]), as in the thesis: forward cuts from mergers and backward cuts from splits
 //! are paired where they come within sigma of each other; else they run to the end of the line's life.

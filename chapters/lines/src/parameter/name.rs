@@ -48,7 +48,7 @@ pub(crate) fn rename(film: &mut Film, net: &Net, kept: &Kept, scale: &[f64]) {
     }
     let mut groups = Groups::of(spans);
     for bundle in bundles(net, &kept.trust) {
-        groups.join(bundle.lines, |a, b| overlaps(a, b));
+        groups.join(bundle.lines, overlaps);
     }
     let apart = kept_apart(net, &kept.trust);
     let mut seen: BTreeMap<u32, u32> = BTreeMap::new();
