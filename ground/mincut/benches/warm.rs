@@ -25,7 +25,7 @@ fn milliseconds(since: Instant) -> f64 {
 
 /// Times strokes and their undoing.
 fn strokes(width: usize, height: usize) {
-    let (terminal, neighbour) = relief::relief(width, height);
+    let (terminal, neighbour) = relief::relief(width, height, height);
     let mask = vec![true; width * height];
     let grid = Grid { width, height, mask: &mask, terminal: &terminal, neighbour: &neighbour };
     let start = Instant::now();
@@ -48,7 +48,7 @@ fn strokes(width: usize, height: usize) {
 
 /// Times steps of a brightness slider.
 fn slider(width: usize, height: usize) {
-    let (mut terminal, neighbour) = relief::relief(width, height);
+    let (mut terminal, neighbour) = relief::relief(width, height, height);
     let mask = vec![true; width * height];
     let grid = Grid { width, height, mask: &mask, terminal: &terminal, neighbour: &neighbour };
     let mut solver = Solver::new(&(&grid).into()).expect("the picture keeps to the bounds");

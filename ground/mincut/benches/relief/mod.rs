@@ -1,18 +1,19 @@
 //! Capacities of a picture that imitates a shaded relief: smooth noise at eight scales gives the
-//! tone, a second one the creases where neighbours bind less. Bonds grow with the height of the
-//! picture, as the weights of binary shading do.
+//! tone, a second one the creases where neighbours bind less. Bonds grow with the height of what is
+//! shown, as the weights of binary shading do.
 
 /// One unit of cost in fixed point.
 const UNIT: f32 = 8192.0;
 /// How strongly two pixels bind at 480 rows.
 const BOND: f32 = 0.15;
 
-/// The capacities of the picture.
-pub(crate) fn relief(width: usize, height: usize) -> (Vec<[i32; 2]>, Vec<[i32; 4]>) {
-    let tone = fractal(width, height, 1);
-    let crease = fractal(width, height, 2);
-    let average = blur(&tone, width, height, height / 30);
-    let bond = BOND * height as f32 / 480.0;
+/// The capacities of the picture; `rows` is the height at which its forms and bonds are drawn: that of
+/// the picture for the same forms at any size, less for more forms of the same size in pixels.
+pub(crate) fn relief(width: usize, height: usize, rows: usize) -> (Vec<[i32; 2]>, Vec<[i32; 4]>) {
+    let tone = fractal(width, height, rows, 1);
+    let crease = fractal(width, height, rows, 2);
+    let average = blur(&tone, width, height, rows / 30);
+    let bond = BOND * rows as f32 / 480.0;
     let terminal = (0..tone.len())
         .map(|i| {
             let local = (1.2 * (tone[i] - average[i])).clamp(-0.5, 0.5);
@@ -21,7 +22,7 @@ pub(crate) fn relief(width: usize, height: usize) -> (Vec<[i32; 2]>, Vec<[i32; 4
         })
         .collect();
     let binding = |i: usize, j: usize, length: f32| {
-        let step = (crease[i] - crease[j]).abs() / length * height as f32 / 480.0;
+        let step = (crease[i] - crease[j]).abs() / length * rows as f32 / 480.0;
         let smooth = (-(step / 0.02).powi(2)).exp();
         let apart = if (crease[i] > 0.1) == (crease[j] > 0.1) { 1.0 } else { 0.3 };
         (UNIT * bond / length * (0.1 + 0.9 * smooth * apart)) as i32
@@ -41,10 +42,10 @@ pub(crate) fn relief(width: usize, height: usize) -> (Vec<[i32; 2]>, Vec<[i32; 4
 }
 
 /// Smooth noise at eight scales, from -1 to 1, most of it near 0.
-fn fractal(width: usize, height: usize, seed: u32) -> Vec<f32> {
+fn fractal(width: usize, height: usize, rows: usize, seed: u32) -> Vec<f32> {
     let mut sum = vec![0.0; width * height];
     for octave in 0..8 {
-        let cell = (height as f32 / 3.0 / 2_f32.powi(octave)).max(2.0);
+        let cell = (rows as f32 / 3.0 / 2_f32.powi(octave)).max(2.0);
         let weight = 0.62f32.powi(octave) * 0.9;
         for (i, sum) in sum.iter_mut().enumerate() {
             let (x, y) = ((i % width) as f32 / cell, (i / width) as f32 / cell);
