@@ -11,12 +11,16 @@
 //! The flow found depends on the bands, the canonical cut does not.
 
 use crate::capacity::Capacity;
-use crate::level::Level;
-use crate::network::{Black, Side, White};
+use crate::network::{Black, White};
 use crate::residual::Residual;
 use crate::search::{GAP, Search};
+use crate::strips;
 use std::ops::Range;
 
+/// The pixels of a strip: what the search needs of so many stays in the caches.
+const STRIP: usize = 1 << 19;
+/// The levels that grow within strips.
+const LEVELS: i32 = 64;
 /// The fewest rows of a band: less, and the seams cost more than a thread gains.
 const MIN_ROWS: usize = 32;
 
@@ -24,9 +28,7 @@ const MIN_ROWS: usize = 32;
 pub(crate) fn run<C: Capacity>(grid: Residual<C>, threads: usize) -> Option<Search<Residual<C>>> {
     let bands = threads.min(grid.height() / MIN_ROWS);
     if bands < 2 {
-        let mut search = Search::new(grid);
-        search.run()?;
-        return Some(search);
+        return solve(grid);
     }
     let rows = |band: usize| band * grid.height() / bands..(band + 1) * grid.height() / bands;
     let solved = std::thread::scope(|scope| {
@@ -44,7 +46,12 @@ pub(crate) fn run<C: Capacity>(grid: Residual<C>, threads: usize) -> Option<Sear
 }
 
 fn solve_band<C: Capacity>(grid: &Residual<C>, rows: Range<usize>) -> Option<Search<Residual<C>>> {
-    let mut search = Search::new(grid.band(rows));
+    solve(grid.band(rows))
+}
+
+fn solve<C: Capacity>(grid: Residual<C>) -> Option<Search<Residual<C>>> {
+    let mut search = Search::new(grid);
+    strips::begin(&mut search, STRIP, LEVELS)?;
     search.run()?;
     Some(search)
 }
@@ -60,17 +67,13 @@ fn join<C: Capacity>(
         place(&mut search, band, row);
     }
     for &row in seams {
-        search.network.open_seam(row);
-        for v in search.network.row(row - 1).chain(search.network.row(row)) {
-            search.trees[White::INDEX].again.push(v as u32);
-            search.trees[Black::INDEX].again.push(v as u32);
-        }
+        search.open_seam(row);
     }
     search
 }
 
 /// Puts a band in its place, from row `row` on.
-fn place<C: Capacity>(search: &mut Search<Residual<C>>, band: Search<Residual<C>>, row: usize) {
+fn place<C: Capacity>(search: &mut Search<Residual<C>>, mut band: Search<Residual<C>>, row: usize) {
     let network = &band.network;
     let shift = search.network.row(row).start - network.row(0).start;
     for y in 0..network.height() {
@@ -81,15 +84,21 @@ fn place<C: Capacity>(search: &mut Search<Residual<C>>, band: Search<Residual<C>
     }
     search.network.place(network, row);
     search.left += band.left;
-    for (tree, part) in search.trees.iter_mut().zip(band.trees) {
+    let waiting = [band.take_waiting::<White>(), band.take_waiting::<Black>()];
+    for ((tree, part), waiting) in search.trees.iter_mut().zip(&band.trees).zip(waiting) {
         // What waits lies at most one gap above the grown levels.
         tree.grown = tree.grown.max(part.grown + GAP);
-        let waiting = part.active.into_iter().flat_map(Level::blocks).chain([part.again]);
-        tree.again.extend(waiting.flatten().map(|v| v + shift as u32));
-        if part.seeded {
-            // Only black roots can be left: a band is done when its white tree is.
-            let roots = (0..band.label.len()).filter(|&v| band.label[v].get() == -1);
-            tree.again.extend(roots.map(|v| (v + shift) as u32));
+        tree.again.extend(waiting.into_iter().map(|v| v + shift as u32));
+    }
+}
+
+impl<C: Capacity> Search<Residual<C>> {
+    /// Opens the arcs between the rows `row - 1` and `row`, whose nodes are to grow again.
+    pub(crate) fn open_seam(&mut self, row: usize) {
+        self.network.open_seam(row);
+        for tree in &mut self.trees {
+            let nodes = self.network.row(row - 1).chain(self.network.row(row));
+            tree.again.extend(nodes.map(|v| v as u32));
         }
     }
 }

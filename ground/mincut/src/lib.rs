@@ -67,6 +67,8 @@ mod lattice;
 mod level;
 mod lost;
 mod network;
+#[cfg(test)]
+mod noise;
 mod orphans;
 mod parts;
 mod planes;
@@ -78,6 +80,7 @@ mod search;
 mod solver;
 mod sparse;
 mod stencil;
+mod strips;
 
 use capacity::Capacity;
 use planes::Planes;

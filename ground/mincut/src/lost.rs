@@ -91,47 +91,17 @@ impl<N: Network> Search<N> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::grid::Grid;
-    use crate::planes::Planes;
-    use crate::residual::Residual;
-
-    const WIDTH: usize = 61;
-    const HEIGHT: usize = 47;
-
-    /// Which nodes are white, and the flow that is left.
-    fn cut(terminal: &[[i32; 2]], neighbour: &[[i32; 4]], patience: usize) -> (Vec<bool>, i64) {
-        let mask = vec![true; terminal.len()];
-        let grid = Grid { width: WIDTH, height: HEIGHT, mask: &mask, terminal, neighbour };
-        let planes = Planes::<i16>::read(&grid, 1).expect("small capacities");
-        let mut search = Search::new(Residual::new(planes));
-        search.patience = patience;
-        search.run().expect("a small grid has short distances");
-        ((0..search.label.len()).map(|v| search.is_white(v)).collect(), search.left)
-    }
+    use crate::noise::Noise;
 
     #[test]
     fn the_cut_does_not_depend_on_who_is_lost() {
-        let mut state = 7u64;
-        let mut random = |below: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((state >> 33) % below) as i32
-        };
-        for rare in [2, 9, 40, 200] {
-            // Few roots have large trees, which lose them whole.
-            let terminal: Vec<_> = (0..WIDTH * HEIGHT)
-                .map(|_| match random(2 * rare) {
-                    0 => [random(60), 0],
-                    1 => [0, random(60)],
-                    _ => [0; 2],
-                })
-                .collect();
-            let neighbour: Vec<_> =
-                (0..WIDTH * HEIGHT).map(|_| [(); 4].map(|()| random(6))).collect();
-            let one_by_one = cut(&terminal, &neighbour, usize::MAX);
-            assert!(one_by_one.0.contains(&true) && one_by_one.1 > 0);
+        for rare in [1, 4, 20, 100] {
+            let noise = Noise::new(rare);
+            let one_by_one = noise.cut(|search| search.patience = usize::MAX);
+            assert!(one_by_one.0.contains(&true) && one_by_one.1 > 0, "{rare}");
             for patience in [0, 1, 7, 50] {
-                assert_eq!(cut(&terminal, &neighbour, patience), one_by_one, "{rare} {patience}");
+                let lost = noise.cut(|search| search.patience = patience);
+                assert_eq!(lost, one_by_one, "{rare} {patience}");
             }
         }
     }

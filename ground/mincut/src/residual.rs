@@ -105,6 +105,16 @@ impl<C: Capacity> Residual<C> {
         self.records[to].copy_from_slice(source);
     }
 
+    /// Closes the arcs between the rows `row - 1` and `row`.
+    pub(crate) fn close_seam(&mut self, row: usize) {
+        for v in self.row(row) {
+            for d in [0, 1, 2] {
+                self.open(v, d, [false; 2]);
+                self.open(self.neighbour(v, d), opposite(d), [false; 2]);
+            }
+        }
+    }
+
     /// Opens the arcs between the rows `row - 1` and `row` that have something left.
     pub(crate) fn open_seam(&mut self, row: usize) {
         for v in self.row(row) {

@@ -27,6 +27,7 @@ use crate::capacity::Capacity;
 use crate::level::{Level, Pool};
 use crate::network::{Black, Network, Side, White};
 use crate::orphans::Orphans;
+use std::ops::Range;
 
 /// How much farther than its parent a node is put when a tree grows.
 pub(crate) const GAP: i32 = 2;
@@ -44,8 +45,8 @@ pub(crate) struct Tree<A> {
     /// Nodes to grow, by distance modulo 2: at most two levels wait.
     pub(crate) active: [Level; GAP as usize],
     pool: Pool,
-    /// Whether the first level still grows from every root there is, without a list of them.
-    pub(crate) seeded: bool,
+    /// Nodes whose roots the first level still grows from, without a list of them.
+    pub(crate) seeded: Range<usize>,
     /// Grown nodes whose surroundings changed: to grow again before the next level.
     pub(crate) again: Vec<u32>,
     pub(crate) orphans: Orphans,
@@ -61,7 +62,7 @@ impl<A> Default for Tree<A> {
             grown: 0,
             active: Default::default(),
             pool: Pool::new(),
-            seeded: false,
+            seeded: 0..0,
             again: Vec::new(),
             orphans: Orphans::default(),
             lost: Vec::new(),
@@ -72,7 +73,9 @@ impl<A> Default for Tree<A> {
 
 impl<A> Tree<A> {
     fn waits(&self) -> bool {
-        self.seeded || !self.again.is_empty() || self.active.iter().any(|level| !level.is_empty())
+        !self.seeded.is_empty()
+            || !self.again.is_empty()
+            || self.active.iter().any(|level| !level.is_empty())
     }
 
     /// Lets `v`, at `distance` above the grown levels, grow with its level.
@@ -121,16 +124,38 @@ impl<N: Network> Search<N> {
         let root = |l: &N::Label| if l.get() == 0 { N::NONE } else { N::ROOT };
         self.parent.extend(self.label.iter().map(root));
         self.trees = Default::default();
-        for label in &self.label {
-            self.trees[White::INDEX].seeded |= label.get() > 0;
-            self.trees[Black::INDEX].seeded |= label.get() < 0;
+        self.seed(0..self.label.len());
+    }
+
+    /// Lets both trees begin, with the roots among `nodes`.
+    pub(crate) fn seed(&mut self, nodes: Range<usize>) {
+        for tree in &mut self.trees {
+            (tree.grown, tree.seeded) = (0, nodes.clone());
         }
+    }
+
+    /// Takes the nodes that wait to grow.
+    pub(crate) fn take_waiting<T: Side>(&mut self) -> Vec<u32> {
+        let tree = &mut self.trees[T::INDEX];
+        let mut waiting = std::mem::take(&mut tree.again);
+        waiting
+            .extend(std::mem::take(&mut tree.active).into_iter().flat_map(Level::blocks).flatten());
+        let label = &self.label;
+        let is_root = |&v: &usize| T::distance(label[v].get()) == 1;
+        let roots = std::mem::take(&mut tree.seeded).filter(is_root);
+        waiting.extend(roots.map(|v| v as u32));
+        waiting
     }
 
     /// Grows the trees until the flow is maximal and the white tree complete; `None` when a
     /// distance is too large for a label.
     pub(crate) fn run(&mut self) -> Option<()> {
-        while self.trees[White::INDEX].waits() {
+        self.run_up_to(i32::MAX)
+    }
+
+    /// Grows the trees to `level` at most.
+    pub(crate) fn run_up_to(&mut self, level: i32) -> Option<()> {
+        while self.trees[White::INDEX].waits() && self.trees[White::INDEX].grown < level {
             self.grow_level::<White>()?;
             if self.trees[Black::INDEX].waits() {
                 self.grow_level::<Black>()?;
@@ -170,9 +195,8 @@ impl<N: Network> Search<N> {
             return None;
         }
         let active = std::mem::take(&mut tree.active[slot]);
-        if std::mem::take(&mut tree.seeded) {
-            self.grow_roots::<T>();
-        }
+        let seeded = std::mem::take(&mut tree.seeded);
+        self.grow_roots::<T>(seeded);
         for mut block in active.blocks() {
             self.grow_block::<T>(&block, level);
             block.clear();
@@ -181,9 +205,9 @@ impl<N: Network> Search<N> {
         Some(())
     }
 
-    /// Grows the first level.
-    fn grow_roots<T: Side>(&mut self) {
-        for v in 0..self.label.len() {
+    /// Grows the roots among `nodes`.
+    fn grow_roots<T: Side>(&mut self, nodes: Range<usize>) {
+        for v in nodes {
             if self.distance::<T>(v) == 1 {
                 self.grow::<T>(v);
             }
