@@ -7,7 +7,7 @@
 
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
-use chiaro_pbgi::code::{Book, Gains, Lobes, Pen, Recipe};
+use chiaro_pbgi::code::{Book, Gains, Lobes, Pen, Recipe, Words};
 use chiaro_pbgi::packed::{Packed, Record};
 use chiaro_pbgi::{Exact, LightKnobs, Lit, Spread, harmonic, prepare, sites, stream};
 use chiaro_scene::{Poser, Scene, demo};
@@ -62,7 +62,7 @@ fn line(label: &str, bytes: usize, [snr, p99]: [f64; 2], us: f64) {
 }
 
 fn random(recipe: Recipe) -> Recipe {
-    Recipe { random: true, ..recipe }
+    Recipe { words: Words::Drawn, ..recipe }
 }
 
 /// The lit records of a scene, one bounce.

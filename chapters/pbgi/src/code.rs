@@ -17,114 +17,20 @@
 use crate::bits::{float16, from_float16};
 use crate::harmonic::{self, Sh};
 use crate::payload::{Exact, Sent};
+pub use crate::recipe::{Gains, Recipe, Words};
+use crate::recipe::word_bytes;
 use chiaro_basis::math::{Mat3, Vec3};
 use chiaro_basis::random::hash;
 use chiaro_basis::{Result, Run};
-use chiaro_solve::{KMeans, Nearest, Scratch, k_means};
+use chiaro_solve::{KMeans, Nearest, Scratch, Start, k_means};
 
-/// Numbers of a node's light and area.
-const LIGHT: usize = 27;
+/// Numbers of a node's area, and of its light.
 const AREA: usize = 9;
+const LIGHT: usize = 3 * AREA;
 /// Rounds of k-means.
 const ROUNDS: usize = 10;
 /// How much brighter than all training nodes others may be.
 pub const HEADROOM: f32 = 4096.0;
-
-/// How lobes are coded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Recipe {
-    /// Whether sums are divided by the node's area.
-    pub by_area: bool,
-    /// Whether lobes are turned to the node's mean normal.
-    pub turned: bool,
-    /// Gains of the light.
-    pub gains: Gains,
-    /// Words of each stage's table of light; at most 65 536.
-    pub light: Vec<usize>,
-    /// Words of each stage's table of area.
-    pub area: Vec<usize>,
-    /// Whether words are drawn from the training nodes instead of clustered: the thesis's baseline.
-    pub random: bool,
-}
-
-/// Which gains a code has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Gains {
-    /// None.
-    None,
-    /// One for all colours.
-    One,
-    /// One for each colour.
-    Colours,
-}
-
-impl Default for Recipe {
-    /// Gains of each colour and turned lobes in 3 + 2 stages. `cargo bench -p chiaro-pbgi --bench
-    /// codes` has it ahead in the Cornell box, and one gain without turning ahead in the courtyard.
-    fn default() -> Self {
-        Self::residual(Gains::Colours, true, 3, 2)
-    }
-}
-
-impl Recipe {
-    /// The thesis's: k words on raw sums, no gains; the area, which the thesis does not count, by a
-    /// table of as many words.
-    pub fn thesis(words: usize) -> Self {
-        Self {
-            by_area: false,
-            turned: false,
-            gains: Gains::None,
-            light: vec![words],
-            area: vec![words],
-            random: false,
-        }
-    }
-
-    /// k words on vectors over area.
-    pub fn clusters(words: usize) -> Self {
-        Self { by_area: true, ..Self::thesis(words) }
-    }
-
-    /// Residual quantization: `light` and `area` tables of 256 words, after gains.
-    pub fn residual(gains: Gains, turned: bool, light: usize, area: usize) -> Self {
-        Self {
-            by_area: true,
-            turned,
-            gains,
-            light: vec![256; light],
-            area: vec![256; area],
-            random: false,
-        }
-    }
-
-    /// Bytes of a code.
-    pub fn bytes(&self) -> usize {
-        let gains = match self.gains {
-            Gains::None => 0,
-            Gains::One => 1,
-            Gains::Colours => 3,
-        };
-        2 * gains
-            + self.light.iter().chain(&self.area).map(|words| word_bytes(*words)).sum::<usize>()
-    }
-
-    /// Bits of a code, as the thesis counts them.
-    pub fn bits(&self) -> usize {
-        let of = |stages: &[usize]| -> usize {
-            stages.iter().map(|w| w.next_power_of_two().trailing_zeros() as usize).sum()
-        };
-        let gains = match self.gains {
-            Gains::None => 0,
-            Gains::One => 16,
-            Gains::Colours => 48,
-        };
-        gains + of(&self.light) + of(&self.area)
-    }
-}
-
-fn word_bytes(words: usize) -> usize {
-    if words > 256 { 2 } else { 1 }
-}
 
 /// A node to be coded.
 #[derive(Clone, Copy, Debug)]
@@ -216,33 +122,30 @@ impl Book {
         let parts: Vec<Parts> = nodes.iter().map(|n| Parts::of(n, recipe)).collect();
         let top = parts.iter().flat_map(|p| p.gains).fold(0.0, f32::max);
         let lit = parts.iter().filter(|p| p.light.iter().any(|l| *l != 0.0));
-        let mut light: Vec<f32> = lit.flat_map(|p| p.light).collect();
+        let dim = recipe.gains.dim();
+        let mut light: Vec<f32> = lit.flat_map(|p| p.light.into_iter().take(dim)).collect();
         let mut area: Vec<f32> = parts.iter().flat_map(|p| p.area).collect();
         drop(parts);
         let zero = recipe.gains == Gains::None;
         Ok(Self {
             recipe: recipe.clone(),
             top: if top > 0.0 { HEADROOM * top } else { 1.0 },
-            light: stages(&mut light, LIGHT, &recipe.light, zero, recipe.random, seed, run)?,
-            area: stages(&mut area, AREA, &recipe.area, false, recipe.random, !seed, run)?,
+            light: stages(&mut light, dim, &recipe.light, zero, recipe.words, seed, run)?,
+            area: stages(&mut area, AREA, &recipe.area, false, recipe.words, !seed, run)?,
         })
     }
 
     /// Writes the code of a node, [`Recipe::bytes`] long.
     pub fn encode(&self, node: &Lobes, code: &mut Vec<u8>, pen: &mut Pen) {
         let mut parts = Parts::of(node, &self.recipe);
-        let gains = match self.recipe.gains {
-            Gains::None => 0,
-            Gains::One => 1,
-            Gains::Colours => 3,
-        };
-        for gain in &parts.gains[..gains] {
+        for gain in &parts.gains[..self.recipe.gains.count()] {
             code.extend(float16(*gain, self.top).to_le_bytes());
         }
         pen.hints.resize(self.light.len() + self.area.len(), None);
         let Pen { scratch, hints } = pen;
         let (of_light, of_area) = hints.split_at_mut(self.light.len());
-        staged(&self.light, &self.recipe.light, &mut parts.light, code, of_light, scratch);
+        let light = &mut parts.light[..self.recipe.gains.dim()];
+        staged(&self.light, &self.recipe.light, light, code, of_light, scratch);
         staged(&self.area, &self.recipe.area, &mut parts.area, code, of_area, scratch);
     }
 
@@ -254,7 +157,7 @@ impl Book {
         let (gains, mut rest) = match recipe.gains {
             Gains::None => ([1.0; 3], code),
             Gains::One => ([gain(0); 3], &code[2..]),
-            Gains::Colours => ([gain(0), gain(1), gain(2)], &code[6..]),
+            Gains::Colours | Gains::Shape => ([gain(0), gain(1), gain(2)], &code[6..]),
         };
         let mut next = |words: usize| {
             let (word, after) = rest.split_at(word_bytes(words));
@@ -272,14 +175,32 @@ impl Book {
             disc.iter_mut().zip(word).for_each(|(l, w)| *l += w);
         }
         let scale = if recipe.by_area { area } else { 1.0 };
+        let stride = if recipe.gains == Gains::Shape { 0 } else { AREA };
         let lobes = Exact {
             area: disc.map(|a| a * scale),
             light: std::array::from_fn(|c| {
-                std::array::from_fn(|i| light[9 * c + i] * gains[c] * scale)
+                let (own, gain) = (&light[stride * c..stride * c + AREA], gains[c] * scale);
+                std::array::from_fn(|i| own[i] * gain)
             }),
         };
         let local_from_world = recipe.turned.then(|| frame(axis).transpose());
         Decoded { local_from_world, lobes }
+    }
+
+    /// Squares of a node's error and of its light, over all directions and colours.
+    pub fn error(&self, node: &Lobes, pen: &mut Pen) -> [f64; 2] {
+        let mut code = Vec::with_capacity(32);
+        self.encode(node, &mut code, pen);
+        let own = self.decode(&code, node.area, node.axis);
+        let mut truth = node.sums.light;
+        if own.local_from_world.is_some() {
+            let frame = frame(node.axis);
+            truth.iter_mut().for_each(|sh| *sh = turned(sh, &frame));
+        }
+        let pairs = own.lobes.light.as_flattened().iter().zip(truth.as_flattened());
+        pairs.fold([0.0; 2], |[wrong, there], (a, b)| {
+            [wrong + f64::from(a - b).powi(2), there + f64::from(*b).powi(2)]
+        })
     }
 
     /// Words of all tables.
@@ -301,17 +222,21 @@ fn stages(
     dim: usize,
     words: &[usize],
     zero: bool,
-    random: bool,
+    source: Words,
     seed: u64,
     run: &Run,
 ) -> Result<Vec<Table>> {
     let mut tables = Vec::new();
     for (stage, &count) in words.iter().enumerate() {
-        let how = KMeans { count: count - usize::from(zero), rounds: ROUNDS, seed };
+        let start = match source {
+            Words::FromRandom => Start::Random,
+            _ => Start::Spread,
+        };
+        let how = KMeans { count: count - usize::from(zero), rounds: ROUNDS, seed, start };
         let mut centres = if zero { vec![0.0; dim] } else { Vec::new() };
-        centres.extend(match random {
-            true => drawn(points, dim, how.count, seed),
-            false => k_means(points, dim, how, run)?.centres,
+        centres.extend(match source {
+            Words::Drawn => drawn(points, dim, how.count, seed),
+            _ => k_means(points, dim, how, run)?.centres,
         });
         if centres.is_empty() {
             centres = vec![0.0; dim];
@@ -381,6 +306,10 @@ impl Parts {
             Gains::None => [1.0; 3],
             Gains::One => [colours.iter().map(square).sum::<f32>().sqrt(); 3],
             Gains::Colours => colours.each_ref().map(|c| square(c).sqrt()),
+            Gains::Shape => {
+                let (light, gains) = shape(&colours);
+                return Self { gains, light, area: put(&node.sums.area) };
+            }
         };
         let mut light = [0.0; LIGHT];
         for c in 0..3 {
@@ -389,6 +318,19 @@ impl Parts {
         }
         Self { gains, light, area: put(&node.sums.area) }
     }
+}
+
+/// The shape of length 1 that colours share, and the part of each along it, never negative.
+fn shape(colours: &[Sh; 3]) -> ([f32; LIGHT], [f32; 3]) {
+    let mut light = [0.0; LIGHT];
+    let sum: Sh = std::array::from_fn(|i| colours.iter().map(|c| c[i]).sum());
+    let length = sum.iter().map(|v| v * v).sum::<f32>().sqrt();
+    if length > 0.0 {
+        (0..AREA).for_each(|i| light[i] = sum[i] / length);
+    }
+    let along = |c: &Sh| c.iter().zip(&light).map(|(a, b)| a * b).sum::<f32>().max(0.0);
+    let gains = colours.each_ref().map(along);
+    (light, gains)
 }
 
 /// A frame whose z axis is a direction, without branches (Duff et al. 2017); the world's where there is none.
@@ -496,11 +438,13 @@ mod tests {
             |recipe: &Recipe| error(&Book::train(&all, recipe, 1, &Run::default()).unwrap(), &all);
         let few = of(&Recipe::clusters(16));
         let many = of(&Recipe::clusters(300));
-        let random = of(&Recipe { random: true, ..Recipe::clusters(300) });
+        let random = of(&Recipe { words: Words::Drawn, ..Recipe::clusters(300) });
         let staged = of(&Recipe::residual(Gains::One, false, 2, 2));
         let turned = of(&Recipe::residual(Gains::Colours, true, 2, 2));
+        let shapes = of(&Recipe::shapes(300, 300));
         assert!(many < few && many < random, "{few} {many} {random}");
         assert!(staged < many && turned < staged, "{many} {staged} {turned}");
+        assert!(shapes < many, "{shapes}");
     }
 
     #[test]

@@ -13,7 +13,7 @@
 //! cut off or altered is an error of one sentence, never a wrong picture or a panic. The checksum
 //! is against accidents, not against forgers: forged bytes give some picture.
 
-use crate::code::{Book, Gains, Recipe, Table};
+use crate::code::{Book, Gains, Recipe, Table, Words};
 use crate::compact::{Bytes, Compact, Format};
 use crate::curve::Cube;
 use crate::packed::{PART, Packed};
@@ -52,6 +52,7 @@ pub(crate) fn tail(tree: &Packed<Compact>, origin: &str, before: u64) -> Vec<u8>
         Gains::None => 0,
         Gains::One => 1,
         Gains::Colours => 2,
+        Gains::Shape => 3,
     };
     w.0.extend([u8::from(recipe.by_area), u8::from(recipe.turned), gains]);
     w.f32(format.book.top);
@@ -136,13 +137,14 @@ fn read_tail(bytes: &[u8]) -> Option<Tail> {
     let length = r.size()?;
     let origin = String::from_utf8(r.take(length)?.to_vec()).ok()?;
     let flags = r.take(3)?;
-    let gains = *[Gains::None, Gains::One, Gains::Colours].get(usize::from(flags[2]))?;
+    let all = [Gains::None, Gains::One, Gains::Colours, Gains::Shape];
+    let gains = *all.get(usize::from(flags[2]))?;
     let (by_area, turned) = (flags[0] != 0, flags[1] != 0);
     let top = r.f32()?;
-    let (light, light_words) = r.tables(27)?;
+    let (light, light_words) = r.tables(gains.dim())?;
     let (area, area_words) = r.tables(9)?;
-    let recipe =
-        Recipe { by_area, turned, gains, light: light_words, area: area_words, random: false };
+    let words = Words::Clustered;
+    let recipe = Recipe { by_area, turned, gains, light: light_words, area: area_words, words };
     let levels = r.size().filter(|n| *n < 64)?;
     let mut crown = Vec::new();
     for _ in 0..levels {

@@ -27,8 +27,10 @@
 //! Not guaranteed: glossy reflection (every surface is Lambertian), and light through openings
 //! smaller than the spacing of surfels beyond the near field.
 
+mod bitrows;
 mod bits;
 pub mod bounce;
+pub mod classic;
 mod cluster;
 pub mod code;
 pub mod compact;
@@ -48,6 +50,7 @@ pub mod payload;
 pub mod pixel;
 mod pool;
 mod receiver;
+mod recipe;
 pub mod resolve;
 pub mod side;
 pub mod site;

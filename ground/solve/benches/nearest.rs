@@ -5,7 +5,7 @@
 
 use chiaro_basis::Run;
 use chiaro_basis::random::unit;
-use chiaro_solve::{KMeans, Nearest, Scratch, k_means};
+use chiaro_solve::{KMeans, Nearest, Scratch, Start, k_means};
 use std::time::Instant;
 
 const DIM: usize = 27;
@@ -32,7 +32,7 @@ fn main() {
     let (training, queries) = (points(100_000, 1), points(50_000, 100));
     for count in [100, 1000, 10_000] {
         let start = Instant::now();
-        let how = KMeans { count, rounds: 5, seed: 1 };
+        let how = KMeans { count, rounds: 5, seed: 1, start: Start::Spread };
         let Ok(found) = k_means(&training, DIM, how, &Run::default()) else { return };
         let made = start.elapsed().as_secs_f64();
         let index = Nearest::new(&found.centres, DIM);

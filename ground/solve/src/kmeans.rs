@@ -31,6 +31,18 @@ pub struct KMeans {
     pub rounds: usize,
     /// Of the seeds' choice.
     pub seed: u64,
+    /// How the first centres are chosen.
+    pub start: Start,
+}
+
+/// How the first centres are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Start {
+    /// By greedy k-means++.
+    #[default]
+    Spread,
+    /// Points at random, each at most once.
+    Random,
 }
 
 /// Centres, and how well they stand for the points.
@@ -47,7 +59,11 @@ pub struct Clusters {
 /// Centres of finite points with `dim` coordinates each, one after the other.
 pub fn k_means(points: &[f32], dim: usize, how: KMeans, run: &Run) -> Result<Clusters> {
     let all: Vec<u32> = (0..(points.len() / dim) as u32).collect();
-    let mut clusters = Clusters { centres: seeds(points, dim, &all, how), ..Clusters::default() };
+    let centres = match how.start {
+        Start::Spread => seeds(points, dim, &all, how),
+        Start::Random => at_random(points, dim, how),
+    };
+    let mut clusters = Clusters { centres, ..Clusters::default() };
     let mut nearest: Vec<u32> = Vec::new();
     for _ in 0..how.rounds {
         run.check()?;
@@ -113,6 +129,15 @@ fn moved(centres: &mut [f32], points: &[f32], dim: usize, found: &[(u32, f32)]) 
         let i = i as usize;
         centres[c * dim..(c + 1) * dim].copy_from_slice(&points[i * dim..(i + 1) * dim]);
     }
+}
+
+/// Some of the points, each at most once.
+fn at_random(points: &[f32], dim: usize, how: KMeans) -> Vec<f32> {
+    let mut order: Vec<(u64, usize)> =
+        (0..points.len() / dim).map(|i| (hash(how.seed, i as u64), i)).collect();
+    order.sort_unstable();
+    let chosen = order.iter().take(how.count);
+    chosen.flat_map(|(_, i)| &points[i * dim..(i + 1) * dim]).copied().collect()
 }
 
 /// The first centres, drawn from some of the points.
@@ -231,7 +256,7 @@ mod tests {
     fn clusters_that_are_apart_are_found() {
         for blobs_there in [9, 100] {
             let points = blobs(4000, blobs_there);
-            let how = KMeans { count: blobs_there, rounds: 30, seed: 7 };
+            let how = KMeans { count: blobs_there, rounds: 30, seed: 7, start: Start::Spread };
             let found = k_means(&points, 3, how, &Run::default()).unwrap();
             assert_eq!(found.centres.len(), 3 * blobs_there);
             // Within a blob the mean square is 3 x 0.1^2 / 12; of many a few share a centre.
@@ -244,11 +269,11 @@ mod tests {
     fn fewer_different_points_give_fewer_centres_without_error() {
         let points: Vec<f32> = (0..300).map(|i| (i % 5) as f32).collect();
         for count in [20, 200] {
-            let how = KMeans { count, rounds: 5, seed: 1 };
+            let how = KMeans { count, rounds: 5, seed: 1, start: Start::Spread };
             let found = k_means(&points, 1, how, &Run::default()).unwrap();
             assert!(found.centres.len() >= 5 && found.error == 0.0, "{found:?}");
         }
-        let none = k_means(&[], 3, KMeans { count: 4, rounds: 5, seed: 1 }, &Run::default());
+        let none = k_means(&[], 3, KMeans { count: 4, rounds: 5, seed: 1, start: Start::Spread }, &Run::default());
         assert!(none.unwrap().centres.is_empty());
     }
 
@@ -266,7 +291,7 @@ mod tests {
         let points = blobs(3000, 50);
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let how = KMeans { count: 120, rounds: 6, seed: 3 };
+            let how = KMeans { count: 120, rounds: 6, seed: 3, start: Start::Spread };
             pool.install(|| k_means(&points, 3, how, &Run::default()).unwrap().centres)
         };
         assert_eq!(on(1), on(4));

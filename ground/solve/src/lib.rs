@@ -25,10 +25,10 @@
 //!
 //! ```
 //! use chiaro_basis::Run;
-//! use chiaro_solve::{KMeans, Nearest, Scratch, k_means};
+//! use chiaro_solve::{KMeans, Nearest, Scratch, Start, k_means};
 //!
 //! let points = [0.0, 0.1, 0.2, 9.0, 9.1, 9.2];
-//! let how = KMeans { count: 2, rounds: 10, seed: 1 };
+//! let how = KMeans { count: 2, rounds: 10, seed: 1, start: Start::Spread };
 //! let found = k_means(&points, 1, how, &Run::default())?;
 //! let index = Nearest::new(&found.centres, 1);
 //! let near = index.find(&[8.0], None, &mut Scratch::default()).map(|f| f.index);
@@ -44,7 +44,7 @@ mod nearest;
 mod normal;
 mod rows;
 
-pub use kmeans::{Clusters, KMeans, k_means};
+pub use kmeans::{Clusters, KMeans, Start, k_means};
 pub use nearest::{Found, Nearest, Scratch};
 pub use normal::{Normal, Singular};
 pub use rows::Rows;

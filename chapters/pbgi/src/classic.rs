@@ -1,0 +1,606 @@
+//! [`Classic`]: the thesis's own tree, binary, one surfel a leaf (6.5.2, 6.5.3, Algorithm 1).
+//!
+//! - Living sides of surfels ([`Record`]) along a Hilbert curve are the leaves; a range is halved down
+//!   to single ones, so that which nodes are whose children follows from numbers and costs nothing.
+//! - An inner node has a position, the mean of its children's, in single precision; a radius that
+//!   bounds what is below it; and its lobes: 27 + 9 floats, or an index into a table of words.
+//! - A leaf is 26 bytes in format A (position in floats, half floats for colour, normal and area)
+//!   or 16 in format B (position in 15 bits relative to its parent, as in QSplat).
+//!
+//! Sums go up in post-order and are coded as soon as a node is done. Siblings wait on each level
+//! of the path to the root: not arity + 1 vectors are alive, as the thesis has it, but one a level and two more
+//! ([`Classic::alive`]). The thesis's table 6.1 counts positions, leaves and indices of light;
+//! radii and the area's lobes are counted apart here ([`Classic::counted`]).
+//!
+//! The baseline of all else: nodes are splatted by their series alone, flat or not. Guaranteed: the
+//! same bits for any number of threads.
+
+use crate::bitrows::BitRows;
+use crate::bits::{float16_above, from_float16, from_grid, grid};
+use crate::code::{Book, Decoded, Lobes, Pen};
+use crate::cut::{Chooser, Splat, Verdict};
+use crate::hierarchy::Hierarchy;
+use crate::packed::{Record, leaf_radius};
+use crate::payload::Exact;
+use crate::tree::Node;
+use chiaro_basis::choice;
+use chiaro_basis::math::Vec3;
+use half::f16;
+
+/// Larger ranges are built by two threads.
+const ALONE: usize = 8192;
+/// The first function of the basis, and a disc's first coefficient over its area.
+const AREA_OF_FIRST: f32 = 1.0 / (std::f32::consts::PI * 0.282_094_8);
+
+choice! {
+    /// How a leaf is stored (table 6.2).
+    pub enum Leaf {
+        /// The position in full.
+        #[default]
+        A = "a",
+        /// The position relative to its parent.
+        B = "b",
+    }
+}
+
+impl Leaf {
+    /// Bytes of a leaf: position, colour, normal, area.
+    pub fn bytes(self) -> [usize; 4] {
+        match self {
+            Self::A => [12, 6, 6, 2],
+            Self::B => [2, 6, 6, 2],
+        }
+    }
+
+    fn size(self) -> usize {
+        self.bytes().iter().sum()
+    }
+}
+
+/// Bytes of a tree by what they hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// Leaves.
+    pub leaves: usize,
+    /// Positions of inner nodes.
+    pub positions: usize,
+    /// Lobes of light, or their indices.
+    pub light: usize,
+    /// Lobes of area or their indices, radii, and areas where a code needs them: not in the thesis.
+    pub more: usize,
+    /// Tables of words.
+    pub tables: usize,
+}
+
+impl Counted {
+    /// What the thesis counts.
+    pub fn of_thesis(&self) -> usize {
+        self.leaves + self.positions + self.light
+    }
+
+    /// Everything.
+    pub fn all(&self) -> usize {
+        self.of_thesis() + self.more + self.tables
+    }
+}
+
+/// The tree.
+#[derive(Debug)]
+pub struct Classic {
+    leaf: Leaf,
+    leaves: Vec<u8>,
+    /// Inner nodes in pre-order.
+    positions: Vec<Vec3>,
+    radii: Vec<u16>,
+    stored: Stored,
+    count: usize,
+    scale: Scale,
+    leaf_radius: f32,
+    alive: usize,
+}
+
+/// Units of what is stored in half floats.
+#[derive(Clone, Copy, Debug, Default)]
+struct Scale {
+    radius: f32,
+    area: f32,
+    light: f32,
+}
+
+/// Lobes of inner nodes.
+#[derive(Debug)]
+enum Stored {
+    Exact(Vec<Exact>),
+    Coded { book: Box<Book>, rows: BitRows, areas: Vec<u16>, top_area: f32 },
+}
+
+/// The parts of a tree that a subtree fills.
+struct Room<'a> {
+    leaves: &'a mut [u8],
+    positions: &'a mut [Vec3],
+    radii: &'a mut [u16],
+    exact: &'a mut [Exact],
+    areas: &'a mut [u16],
+}
+
+/// What a subtree hands to its parent.
+struct Done {
+    position: Vec3,
+    radius: f32,
+    area: f32,
+    lobes: Exact,
+    /// Lobes that were alive at the same time.
+    alive: usize,
+}
+
+struct Maker<'a> {
+    records: &'a [Record],
+    leaf: Leaf,
+    scale: Scale,
+    book: Option<(&'a Book, &'a BitRows, f32)>,
+}
+
+impl Classic {
+    /// The tree over records along the curve, lobes in single precision: the thesis's ground truth.
+    pub fn exact(records: &[Record], leaf: Leaf) -> Self {
+        let inner = records.len().saturating_sub(1);
+        let stored = Stored::Exact(vec![Exact::default(); inner]);
+        Self::empty(records, leaf, stored).filled(records)
+    }
+
+    /// The tree whose lobes are coded on the fly (Algorithm 1).
+    pub fn coded(records: &[Record], leaf: Leaf, book: &Book) -> Self {
+        let inner = records.len().saturating_sub(1);
+        let areas = if book.recipe.by_area { vec![0; inner] } else { Vec::new() };
+        let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();
+        let rows = BitRows::new(inner, book.recipe.widths());
+        let stored =
+            Stored::Coded { book: Box::new(book.clone()), rows, areas, top_area: area as f32 };
+        Self::empty(records, leaf, stored).filled(records)
+    }
+
+    fn empty(records: &[Record], leaf: Leaf, stored: Stored) -> Self {
+        let (count, inner) = (records.len(), records.len().saturating_sub(1));
+        let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();
+        let low = records.iter().fold(Vec3::INFINITY, |m, r| m.min(r.position));
+        let high = records.iter().fold(Vec3::NEG_INFINITY, |m, r| m.max(r.position));
+        let brightest =
+            records.iter().flat_map(|r| r.radiance[0]).fold(f32::MIN_POSITIVE, f32::max);
+        let positive = |x: f32| if x > 0.0 { x } else { 1.0 };
+        let scale = Scale {
+            radius: if count > 0 { positive(high.distance(low)) } else { 1.0 },
+            area: positive((area / count.max(1) as f64) as f32),
+            light: brightest / 1024.0,
+        };
+        Self {
+            leaf,
+            leaves: vec![0; count * leaf.size()],
+            positions: vec![Vec3::ZERO; inner.max(count.min(1))],
+            radii: vec![0; inner],
+            stored,
+            count,
+            scale,
+            leaf_radius: leaf_radius(area, count),
+            alive: 0,
+        }
+    }
+
+    fn filled(mut self, records: &[Record]) -> Self {
+        let mut none = Vec::new();
+        let mut no_areas = Vec::new();
+        let (exact, areas, book) = match &mut self.stored {
+            Stored::Exact(exact) => (exact, &mut no_areas, None),
+            Stored::Coded { book, rows, areas, top_area } => {
+                (&mut none, areas, Some((&**book, &*rows, *top_area)))
+            }
+        };
+        let maker = Maker { records, leaf: self.leaf, scale: self.scale, book };
+        match records {
+            [] => {}
+            [one] => {
+                self.positions[0] = one.position;
+                maker.write_leaf(one, (one.position, 0.0), &mut self.leaves);
+            }
+            _ => {
+                let room = Room {
+                    leaves: &mut self.leaves,
+                    positions: &mut self.positions,
+                    radii: &mut self.radii,
+                    exact,
+                    areas,
+                };
+                self.alive = maker.grow(0, 0..records.len(), room, 0, &mut Pen::default()).alive;
+            }
+        }
+        self
+    }
+
+    /// How many lobes that were not coded were alive at once for one worker.
+    pub fn alive(&self) -> usize {
+        self.alive
+    }
+
+    /// Inner nodes.
+    pub fn nodes(&self) -> usize {
+        self.count.saturating_sub(1)
+    }
+
+    /// Bytes by what they hold.
+    pub fn counted(&self) -> Counted {
+        let inner = self.nodes();
+        let (light, more, tables) = match &self.stored {
+            Stored::Exact(_) => (108 * inner, 36 * inner, 0),
+            Stored::Coded { book, rows, areas, .. } => {
+                let light = (book.recipe.light_bits() * inner).div_ceil(8);
+                (light, rows.bytes().saturating_sub(light) + 2 * areas.len(), book.size())
+            }
+        };
+        Counted {
+            leaves: self.leaves.len(),
+            positions: size_of::<Vec3>() * self.positions.len(),
+            light,
+            more: more + 2 * self.radii.len(),
+            tables,
+        }
+    }
+
+    /// Calls `each` with the area and the lobes of every inner node of an exact tree.
+    pub fn each_node(&self, mut each: impl FnMut(f32, &Exact)) {
+        if let Stored::Exact(all) = &self.stored {
+            all.iter().for_each(|lobes| each(lobes.area[0] * AREA_OF_FIRST, lobes));
+        }
+    }
+
+    fn node(&self, index: usize) -> (Node, Decoded) {
+        let decoded = match &self.stored {
+            Stored::Exact(all) => Decoded { local_from_world: None, lobes: all[index] },
+            Stored::Coded { book, rows, areas, top_area } => {
+                let area = areas.get(index).map_or(0.0, |a| from_float16(*a, *top_area));
+                let mut code = Vec::with_capacity(16);
+                book.recipe.to_code(rows.read(index), &mut code);
+                book.decode(&code, area, Vec3::ZERO)
+            }
+        };
+        let area = (decoded.lobes.area[0] * AREA_OF_FIRST).max(0.0);
+        (Node { mean: self.positions[index], area, ..Node::default() }, decoded)
+    }
+
+    fn sphere(&self, index: usize) -> (Vec3, f32) {
+        (self.positions[index], from_float16(self.radii[index], self.scale.radius))
+    }
+
+    /// The surfel of a leaf whose parent is a sphere.
+    fn record(&self, index: usize, (centre, radius): (Vec3, f32)) -> Record {
+        let size = self.leaf.size();
+        let bytes = &self.leaves[index * size..(index + 1) * size];
+        let word = |i: usize| u16::from_le_bytes([bytes[i], bytes[i + 1]]);
+        let half = |i: usize| f16::from_bits(word(i)).to_f32();
+        let (position, at) = match self.leaf {
+            Leaf::A => {
+                let float = |i: usize| f32::from_le_bytes(std::array::from_fn(|k| bytes[i + k]));
+                (Vec3::new(float(0), float(4), float(8)), 12)
+            }
+            Leaf::B => {
+                let place = [0, 5, 10].map(|shift| from_grid(u32::from(word(0)) >> shift & 31, 5));
+                (centre + Vec3::from(place) * radius, 2)
+            }
+        };
+        Record {
+            position,
+            radiance: [[0, 2, 4].map(|i| half(at + i) * self.scale.light), [0.0; 3]],
+            normal: Vec3::new(half(at + 6), half(at + 8), half(at + 10)),
+            area: half(at + 12) * self.scale.area,
+            alive: [true, false],
+            albedo: [0.0; 3],
+        }
+    }
+}
+
+/// Leaves of the first child of a node with so many.
+fn first_half(count: usize) -> usize {
+    count.div_ceil(2)
+}
+
+impl<'a> Room<'a> {
+    /// The room of both children, behind the node's own place.
+    fn children(&mut self, left: usize, leaf: usize) -> [Room<'_>; 2] {
+        fn behind<T>(all: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
+            let all = if all.is_empty() { all } else { &mut all[1..] };
+            let at = at.min(all.len());
+            all.split_at_mut(at)
+        }
+        let (leaves, more_leaves) = self.leaves.split_at_mut(left * leaf);
+        let (positions, more_positions) = behind(self.positions, left - 1);
+        let (radii, more_radii) = behind(self.radii, left - 1);
+        let (exact, more_exact) = behind(self.exact, left - 1);
+        let (areas, more_areas) = behind(self.areas, left - 1);
+        [
+            Room { leaves, positions, radii, exact, areas },
+            Room {
+                leaves: more_leaves,
+                positions: more_positions,
+                radii: more_radii,
+                exact: more_exact,
+                areas: more_areas,
+            },
+        ]
+    }
+}
+
+impl Maker<'_> {
+    /// Builds the subtree over a range of leaves, whose root is inner node `node`, while `held`
+    /// lobes wait above.
+    fn grow(
+        &self,
+        node: usize,
+        range: std::ops::Range<usize>,
+        mut room: Room,
+        held: usize,
+        pen: &mut Pen,
+    ) -> Done {
+        let left = first_half(range.len());
+        let middle = range.start + left;
+        let size = self.leaf.size();
+        let [first, second] = room.children(left, size);
+        let (before, after) = (range.start..middle, middle..range.end);
+        let (l, r) = if range.len() > ALONE {
+            rayon::join(
+                || self.child(node + 1, before, first, held, &mut Pen::default()),
+                || self.child(node + left, after, second, held + 1, &mut Pen::default()),
+            )
+        } else {
+            let l = self.child(node + 1, before, first, held, pen);
+            (l, self.child(node + left, after, second, held + 1, pen))
+        };
+        let mut done = joined(&l, &r);
+        done.alive = l.alive.max(r.alive).max(held + 3);
+        let radius = float16_above(done.radius, self.scale.radius);
+        done.radius = from_float16(radius, self.scale.radius);
+        room.positions[0] = done.position;
+        room.radii[0] = radius;
+        let sphere = (done.position, done.radius);
+        if left == 1 {
+            self.write_leaf(&self.records[range.start], sphere, room.leaves);
+        }
+        if range.len() - left == 1 {
+            self.write_leaf(&self.records[middle], sphere, &mut room.leaves[left * size..]);
+        }
+        self.store(node, &done, &mut room, pen);
+        done
+    }
+
+    fn child(
+        &self,
+        node: usize,
+        range: std::ops::Range<usize>,
+        room: Room,
+        held: usize,
+        pen: &mut Pen,
+    ) -> Done {
+        if range.len() > 1 {
+            return self.grow(node, range, room, held, pen);
+        }
+        let record = &self.records[range.start];
+        let mut lobes = Exact::default();
+        lobes.add(record);
+        Done { position: record.position, radius: 0.0, area: record.area, lobes, alive: held + 1 }
+    }
+
+    /// Stores a node's lobes: the sums themselves, or their code.
+    fn store(&self, node: usize, done: &Done, room: &mut Room, pen: &mut Pen) {
+        let Some((book, rows, top_area)) = self.book else {
+            room.exact[0] = done.lobes;
+            return;
+        };
+        let mut area = done.area;
+        if let Some(stored) = room.areas.first_mut() {
+            *stored = crate::bits::float16(done.area, top_area);
+            area = from_float16(*stored, top_area);
+        }
+        let mut code = Vec::with_capacity(16);
+        let lobes = Lobes { sums: &done.lobes, area, axis: Vec3::ZERO };
+        book.encode(&lobes, &mut code, pen);
+        rows.write(node, book.recipe.numbers(&code));
+    }
+
+    fn write_leaf(&self, record: &Record, (centre, radius): (Vec3, f32), bytes: &mut [u8]) {
+        let half = |v: f32| f16::from_f32(v.clamp(-65_504.0, 65_504.0)).to_le_bytes();
+        let mut leaf = Vec::with_capacity(26);
+        match self.leaf {
+            Leaf::A => {
+                record.position.to_array().iter().for_each(|v| leaf.extend(v.to_le_bytes()));
+            }
+            Leaf::B => {
+                let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
+                let place = ((record.position - centre) * scale).to_array().map(|c| grid(c, 5));
+                let code = place[0] | place[1] << 5 | place[2] << 10;
+                leaf.extend((code as u16).to_le_bytes());
+            }
+        }
+        record.radiance[0].iter().for_each(|v| leaf.extend(half(v / self.scale.light)));
+        record.normal.to_array().iter().for_each(|v| leaf.extend(half(*v)));
+        leaf.extend(half(record.area / self.scale.area));
+        bytes[..leaf.len()].copy_from_slice(&leaf);
+    }
+}
+
+/// A node over two.
+fn joined(l: &Done, r: &Done) -> Done {
+    let position = 0.5 * (l.position + r.position);
+    let reach = |c: &Done| c.position.distance(position) + c.radius;
+    Done {
+        position,
+        radius: reach(l).max(reach(r)),
+        area: l.area + r.area,
+        lobes: l.lobes.plus(&r.lobes),
+        alive: 0,
+    }
+}
+
+impl Hierarchy for Classic {
+    fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64 {
+        if self.count < 2 {
+            let one = (self.count == 1).then(|| self.record(0, (self.positions[0], 0.0)));
+            splats.extend(one.and_then(|r| chooser.surfel(&r)));
+            return self.count as u64;
+        }
+        let mut visited = 0;
+        // Inner nodes to visit with their first leaf and their leaves, the next one last.
+        let mut open = vec![(0, 0, self.count)];
+        while let Some((node, first, count)) = open.pop() {
+            visited += 1;
+            let (centre, radius) = self.sphere(node);
+            match chooser.verdict(centre, radius) {
+                Verdict::Leave => {}
+                Verdict::Splat => {
+                    let (node, lobes) = self.node(node);
+                    splats.extend(chooser.node(&node, |d| lobes.sent(d)));
+                }
+                Verdict::Open => {
+                    let left = first_half(count);
+                    let halves =
+                        [(node + left, first + left, count - left), (node + 1, first, left)];
+                    for (node, first, count) in halves {
+                        if count > 1 {
+                            open.push((node, first, count));
+                        } else {
+                            splats.extend(chooser.surfel(&self.record(first, (centre, radius))));
+                        }
+                    }
+                }
+            }
+        }
+        visited
+    }
+
+    fn leaf_radius(&self) -> f32 {
+        self.leaf_radius
+    }
+
+    fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::code::Recipe;
+    use crate::packed::tests::sheet;
+    use crate::packed::{Packed, records};
+    use chiaro_basis::Run;
+
+    fn book(exact: &Classic, recipe: &Recipe) -> Book {
+        let mut nodes = Vec::new();
+        exact.each_node(|area, lobes| nodes.push((area, *lobes)));
+        let lessons: Vec<Lobes> = nodes
+            .iter()
+            .step_by(3)
+            .map(|(area, sums)| Lobes { sums, area: *area, axis: Vec3::ZERO })
+            .collect();
+        Book::train(&lessons, recipe, 1, &Run::default()).unwrap()
+    }
+
+    /// The light and the solid angle of a cut.
+    fn light(tree: &dyn Hierarchy) -> [f32; 4] {
+        let from = Vec3::new(0.5, 1.4, 0.5);
+        let chooser = Chooser { from, threshold: 0.004, near: 0.1, above: None, flat: false };
+        let mut splats = Vec::new();
+        tree.cut(&chooser, &mut splats);
+        splats.iter().fold([0.0; 4], |s, x| {
+            let [r, g, b] = x.radiance.map(|c| c * x.solid_angle);
+            [s[0] + r, s[1] + g, s[2] + b, s[3] + x.solid_angle]
+        })
+    }
+
+    #[test]
+    fn the_thesis_s_tree_sends_what_other_trees_send() {
+        let all = records(&sheet(6000));
+        let truth = light(&Packed::build(&all));
+        for leaf in [Leaf::A, Leaf::B] {
+            let exact = Classic::exact(&all, leaf);
+            let many = Classic::coded(&all, leaf, &book(&exact, &Recipe::clusters(1000)));
+            for (tree, bound) in [(&exact, 0.06), (&many, 0.1)] {
+                let own = light(tree);
+                for i in 0..4 {
+                    assert!((own[i] / truth[i] - 1.0).abs() < bound, "{own:?} {truth:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_bound_and_sum_what_is_below_them_and_leaves_come_back() {
+        let all = records(&sheet(777));
+        for leaf in [Leaf::A, Leaf::B] {
+            let tree = Classic::exact(&all, leaf);
+            let mut open = vec![(0usize, 0usize, all.len())];
+            while let Some((node, first, count)) = open.pop() {
+                let (centre, radius) = tree.sphere(node);
+                let below = &all[first..first + count];
+                assert!(
+                    below.iter().all(|r| r.position.distance(centre) <= radius * 1.0001 + 1e-6)
+                );
+                let area: f32 = below.iter().map(|r| r.area).sum();
+                assert!((tree.node(node).0.area / area - 1.0).abs() < 1e-3);
+                let left = first_half(count);
+                let halves = [(node + 1, first, left), (node + left, first + left, count - left)];
+                for (node, first, count) in halves {
+                    if count > 1 {
+                        open.push((node, first, count));
+                        continue;
+                    }
+                    let (a, b) = (&all[first], tree.record(first, (centre, radius)));
+                    let step = if leaf == Leaf::A { 1e-6 } else { 0.06 * radius };
+                    assert!(a.position.distance(b.position) <= step);
+                    assert!(a.normal.distance(b.normal) < 1e-3);
+                    assert!((a.area / b.area - 1.0).abs() < 1e-3);
+                    let wrong = (0..3).map(|c| (a.radiance[0][c] - b.radiance[0][c]).abs());
+                    assert!(wrong.fold(0.0, f32::max) < 2e-3);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bytes_are_those_of_tables_6_1_and_6_2() {
+        let all = records(&sheet(3000));
+        let exact = Classic::exact(&all, Leaf::A);
+        let n = all.len();
+        let words = Recipe::thesis(1000);
+        for (leaf, bytes) in [(Leaf::A, 26), (Leaf::B, 16)] {
+            let tree = Classic::coded(&all, leaf, &book(&exact, &words));
+            let counted = tree.counted();
+            assert_eq!(counted.leaves, bytes * n);
+            assert_eq!(counted.positions, 12 * (n - 1));
+            assert_eq!(counted.light, (10 * (n - 1)).div_ceil(8));
+            // Radii, the area's index, and a word of slack.
+            assert!(counted.more <= (2 * (n - 1)) + (10 * (n - 1)).div_ceil(8) + 16);
+        }
+        assert_eq!(exact.counted().of_thesis(), 26 * n + (12 + 108) * (n - 1));
+    }
+
+    #[test]
+    fn few_lobes_are_alive_and_threads_change_nothing() {
+        let all = records(&sheet(20_000));
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let exact = Classic::exact(&all, Leaf::B);
+                let coded = Classic::coded(&all, Leaf::B, &book(&exact, &Recipe::thesis(64)));
+                (coded.alive(), coded.leaves.clone(), light(&coded))
+            })
+        };
+        let one = on(1);
+        let levels = all.len().ilog2() as usize + 1;
+        assert!(one.0 <= levels + 3, "{} {levels}", one.0);
+        assert_eq!(one, on(3));
+        assert!(Classic::exact(&[], Leaf::A).is_empty());
+        let single = Classic::exact(&all[..1], Leaf::B);
+        assert!((single.record(0, single_sphere(&single)).area / all[0].area - 1.0).abs() < 1e-3);
+    }
+
+    fn single_sphere(tree: &Classic) -> (Vec3, f32) {
+        (tree.positions[0], 0.0)
+    }
+}

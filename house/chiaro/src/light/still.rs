@@ -1,0 +1,122 @@
+//! [`Still`]: one frame of a scene, lit directly, to be gathered from any tree.
+
+use super::check::displayed;
+use super::shot::Shot;
+use crate::project::{Options, Project};
+use chiaro_basis::{Result, Run};
+use chiaro_image::{Plane, metric};
+use chiaro_pbgi::packed::Record;
+use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
+use chiaro_pbgi::surfel::Lit;
+use chiaro_pbgi::{Hierarchy, LightKnobs, Prepared, Spread, indirect, prepare, sites, stream};
+use chiaro_scene::Frame;
+use chiaro_trace::{GBuffer, direct_irradiance};
+
+/// A tree of any kind.
+pub(crate) type AnyTree = Box<dyn Hierarchy>;
+
+/// A frame with all but its tree.
+pub(crate) struct Still<'a> {
+    shot: &'a Shot<'a>,
+    frame: &'a Frame,
+    lit: Lit<'a>,
+    buffer: &'a GBuffer,
+    direct: Plane<[f32; 3]>,
+    knobs: LightKnobs,
+}
+
+/// How near two displayed pictures are.
+pub(crate) struct Nearness {
+    /// Decibels; `None` when they are equal.
+    pub(crate) psnr: Option<f64>,
+    /// The share of pixels that an eye tells apart (Yee 2004), and which.
+    pub(crate) different: f64,
+    pub(crate) map: Plane<bool>,
+}
+
+/// Opens the first frame of a scene at a size, and works on it.
+pub(crate) fn still<T>(
+    scene: &str,
+    size: (usize, usize),
+    knobs: &LightKnobs,
+    run: &Run,
+    work: impl FnOnce(&Still) -> Result<T>,
+) -> Result<T> {
+    let options = Options { size: Some(size), ..Options::default() };
+    let project = Project::open(scene, options, run)?;
+    let survey = LightKnobs { surfels: 16, ..knobs.clone() };
+    let shot = Shot::survey(&project, &survey, None, run)?;
+    let number = project.frames()[0];
+    let frame = project.pose(&project.poser(), number, run);
+    let tracer = project.tracer(&frame);
+    let pose = shot.camera.pose(&frame, number);
+    let buffer = GBuffer::trace(&tracer, &shot.surfaces, &pose, shot.camera.size, run)?;
+    let lights = shot.lights(&tracer);
+    let lit = Lit { tracer: &tracer, surfaces: &shot.surfaces, lights: &lights };
+    let direct = direct_irradiance(lit.tracer, &buffer, lit.lights, run)?;
+    let (shot, frame, buffer) = (&shot, &frame, &buffer);
+    work(&Still { shot, frame, lit, buffer, direct, knobs: knobs.clone() })
+}
+
+impl Still<'_> {
+    /// So many surfels with their light; their tree is to be replaced.
+    pub(crate) fn points(&self, count: usize, run: &Run) -> Result<Prepared<'_, AnyTree>> {
+        let knobs = LightKnobs { surfels: count as u32, ..self.knobs.clone() };
+        let sites = sites(&self.shot.project.scene, self.frame, count);
+        let (tree, _) = (prepare(self.lit, &sites, &knobs, run)?, ());
+        let Prepared { lit, surfels, reflected, tree, knobs, shift } = tree;
+        Ok(Prepared { lit, surfels, reflected, tree: Box::new(tree), knobs, shift })
+    }
+
+    /// The living sides of surfels along the curve.
+    pub(crate) fn records(&self, points: &Prepared<AnyTree>) -> Vec<Record> {
+        let count = points.surfels.all.len() as u64;
+        let spread = Spread::of(&self.shot.project.scene, self.frame, count.max(1));
+        stream::sorted(&points.surfels.all, &stream::cube(&self.lit, &spread))
+    }
+
+    /// What is seen by the light of a tree.
+    pub(crate) fn seen(&self, points: &Prepared<AnyTree>, run: &Run) -> Result<Plane<Seen>> {
+        let found = indirect(points, self.buffer, run)?;
+        let irradiance = Irradiance { direct: &self.direct, indirect: &found.irradiance };
+        resolve(&self.lit, self.buffer, &irradiance, self.knobs.edges, run)
+    }
+
+    /// The picture as displayed, sRGB-encoded; indirect light alone, or all.
+    pub(crate) fn shown(&self, seen: &Plane<Seen>, alone: bool) -> Plane<[f32; 3]> {
+        if !alone {
+            return displayed(seen, self.shot.exposure, self.knobs.tone);
+        }
+        let indirect = seen.map(|s| Seen { direct: [0.0; 3], beyond: [0.0; 3], ..*s });
+        displayed(&indirect, self.shot.exposure, self.knobs.tone)
+    }
+
+    /// The surfel discs that are seen: each pixel in its surfel's colour, dark between discs.
+    pub(crate) fn discs(&self, points: &Prepared<AnyTree>) -> Plane<[f32; 3]> {
+        let (surfels, grid) = (&points.surfels, &points.reflected.grid);
+        let (width, height) = self.buffer.size();
+        let radiance = Plane::from_fn(width, height, |x, y| {
+            let at = (x, y);
+            if !self.buffer.covered[at] {
+                return Seen::default();
+            }
+            let position = self.buffer.position[at].into();
+            let found = grid.nearest(surfels, position, self.buffer.normal[at].into());
+            let disc = found.map(|(k, side)| (&surfels.all[k as usize], side)).filter(|(s, _)| {
+                // Seven tenths of a disc of the surfel's area, so that discs are told apart.
+                let radius = 0.7 * (s.area / std::f32::consts::PI).sqrt();
+                s.position.distance(position) < radius
+            });
+            Seen { direct: disc.map_or([0.0; 3], |(s, side)| s.radiance[side]), ..Seen::default() }
+        });
+        displayed(&radiance, self.shot.exposure, self.knobs.tone)
+    }
+}
+
+/// How near a displayed picture is to another.
+pub(crate) fn nearness(own: &Plane<[f32; 3]>, truth: &Plane<[f32; 3]>) -> Result<Nearness> {
+    let map = metric::different_map(own, truth)?;
+    let count = map.pixels().iter().filter(|d| **d).count();
+    let different = count as f64 / map.len().max(1) as f64;
+    Ok(Nearness { psnr: metric::psnr_db(own, truth)?, different, map })
+}
