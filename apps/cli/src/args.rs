@@ -448,6 +448,16 @@ pub(crate) struct LightArgs {
     /// Take far light from a tree that --bake wrote; larger than memory, and shared by renders.
     #[arg(long, value_name = "FILE")]
     pub(crate) tree: Option<PathBuf>,
+    /// The table of words of a compact tree: read from FILE, or learned and written where there is no
+    /// such file; one for a film or for several scenes.
+    #[arg(long, value_name = "FILE", conflicts_with = "tree")]
+    pub(crate) book: Option<PathBuf>,
+    /// A compact tree by the smallest table of words that keeps this error of its nodes, as in 0.02.
+    #[arg(long, value_name = "SHARE", conflicts_with_all = ["tree", "book"])]
+    pub(crate) max_error: Option<f32>,
+    /// Keep within this much memory, as in 2GiB; a tree in a file may be larger.
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) memory: Option<String>,
     /// Colour where there is nothing, or none [default: the sky].
     #[arg(long, value_name = "COLOUR")]
     pub(crate) background: Option<String>,

@@ -106,6 +106,8 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 check: settings.check,
                 bake: light.bake.clone(),
                 tree: light.tree.clone(),
+                book: light.book.clone(),
+                memory: settings.memory,
                 backdrop: settings.backdrop,
                 target,
             };
@@ -145,6 +147,7 @@ struct LightSettings {
     method: light::Method,
     check: light::Check,
     backdrop: Option<[f32; 4]>,
+    memory: Option<u64>,
 }
 
 impl LightSettings {
@@ -153,7 +156,14 @@ impl LightSettings {
         for text in &args.sets {
             style::set(&mut knobs, text)?;
         }
-        if args.bake.is_some() || args.tree.is_some() {
+        if let Some(error) = args.max_error {
+            if error <= 0.0 {
+                return Err(Error::setting("--max-error", error, "a share over 0, as in 0.02"));
+            }
+            knobs.set("max_error", &error.to_string())?;
+        }
+        let memory = args.memory.as_deref().map(|m| light::parse_bytes("--memory", m)).transpose()?;
+        if args.bake.is_some() || args.tree.is_some() || args.book.is_some() {
             knobs.set("tree", "compact")?;
         }
         if let Some(stops) = args.exposure {
@@ -178,7 +188,7 @@ impl LightSettings {
             Some(other) => return Err(Error::setting("--check", other, "path or exact")),
         };
         let backdrop = args.background.as_deref().map(|t| colour("--background", t)).transpose()?;
-        Ok(Self { knobs, method, check, backdrop })
+        Ok(Self { knobs, method, check, backdrop, memory })
     }
 }
 

@@ -7,9 +7,9 @@
 
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
-use chiaro_pbgi::code::{Book, Gains, Lobes, Pen, Recipe, Words};
+use chiaro_pbgi::code::{Gains, Lobes, Pen, Recipe, Words};
 use chiaro_pbgi::packed::{Packed, Record};
-use chiaro_pbgi::{Exact, LightKnobs, Lit, Spread, harmonic, prepare, sites, stream};
+use chiaro_pbgi::{Exact, LightKnobs, Lit, Spread, prepare, sites, stream};
 use chiaro_scene::{Poser, Scene, demo};
 use chiaro_trace::{Glow, Lamp, Lights, Surfaces, Tracer, daylight};
 use std::time::Instant;
@@ -33,12 +33,12 @@ fn measure(name: &str, scene: &Scene) -> Result<()> {
     let nodes = nodes(&records(scene, 200_000, &run)?);
     println!("{name}: {} nodes", nodes.len());
     println!("  {:<28} {:>6} {:>7} {:>8} {:>7}", "code", "bytes", "dB", "p99", "us");
-    let half: Vec<Exact> = nodes.iter().map(|n| halved(&n.2)).collect();
-    line("half floats", 72, errors(&nodes, &half), 0.0);
+    let half = nodes.iter().map(|n| apart(&n.2, &halved(&n.2)));
+    line("half floats", 72, errors(&nodes, half), 0.0);
     let mut all = Vec::new();
     for words in [100, 1000, 10_000] {
-        all.push((format!("thesis, {words} at random"), random(Recipe::thesis(words))));
-        all.push((format!("thesis, {words}"), Recipe::thesis(words)));
+        all.push((format!("thesis, {words} at random"), random(Recipe::raw(words))));
+        all.push((format!("thesis, {words}"), Recipe::raw(words)));
         all.push((format!("over area, {words}"), Recipe::clusters(words)));
     }
     all.push(("residual 4x8, area 3x8".into(), Recipe::residual(Gains::One, false, 4, 3)));
@@ -47,12 +47,33 @@ fn measure(name: &str, scene: &Scene) -> Result<()> {
         let recipe = Recipe::residual(Gains::Colours, true, light, area);
         all.push((format!("gains, turned, {light}x8 + {area}x8"), recipe));
     }
+    for (light, area) in [(1, 1), (2, 2), (3, 2), (4, 3)] {
+        let recipe = Recipe::residual(Gains::Colours, false, light, area);
+        all.push((format!("gains, {light}x8 + {area}x8"), recipe));
+    }
+    for words in [256, 4096] {
+        all.push((format!("colour x shape, {words}"), Recipe::shapes(words, words)));
+    }
+    for stages in [2, 3] {
+        let recipe = Recipe::residual(Gains::Shape, true, stages, stages);
+        all.push((format!("colour x shape, {stages}x8"), recipe));
+    }
     for (label, recipe) in all {
-        let book = stream::book(&sparse, &recipe, &run)?;
         let start = Instant::now();
-        let coded = coded(&book, &nodes);
+        let book = stream::book(&sparse, &recipe, &run)?;
+        let learned = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let (mut pen, mut code) = (Pen::default(), Vec::new());
+        for (area, axis, sums) in &nodes {
+            code.clear();
+            book.encode(&Lobes { sums, area: *area, axis: *axis }, &mut code, &mut pen);
+        }
         let each = 1e6 * start.elapsed().as_secs_f64() / nodes.len() as f64;
-        line(&label, recipe.bytes(), errors(&nodes, &coded), each);
+        let squares = nodes.iter().map(|(area, axis, sums)| {
+            book.error(&Lobes { sums, area: *area, axis: *axis }, &mut Pen::default())
+        });
+        line(&label, recipe.bytes(), errors(&nodes, squares), each);
+        println!("{:>60} s to learn", format!("{learned:.2}"));
     }
     Ok(())
 }
@@ -92,42 +113,6 @@ fn nodes(records: &[Record]) -> Nodes {
     nodes
 }
 
-fn coded(book: &Book, nodes: &Nodes) -> Vec<Exact> {
-    let (mut pen, mut code) = (Pen::default(), Vec::new());
-    let one = |(area, axis, sums): &(f32, Vec3, Exact)| {
-        code.clear();
-        book.encode(&Lobes { sums, area: *area, axis: *axis }, &mut code, &mut pen);
-        let decoded = book.decode(&code, *area, *axis);
-        // Back in the world's frame by way of values, as a gather reads them.
-        match decoded.local_from_world {
-            None => decoded.lobes,
-            Some(_) => projected(|d| decoded.sent(d)),
-        }
-    };
-    nodes.iter().map(one).collect()
-}
-
-/// The series with such values: a quadrature that is exact for the products of three bands.
-fn projected(value: impl Fn(Vec3) -> chiaro_pbgi::payload::Sent) -> Exact {
-    let mut sum = Exact::default();
-    // Gauss-Legendre in z, evenly around.
-    let rule = [(0.0, 0.568_888_9), (0.538_469_3, 0.478_628_67), (0.906_179_85, 0.236_926_89)];
-    for (z, weight) in rule.into_iter().flat_map(|(z, w)| [(z, w), (-z, w)]).skip(1) {
-        let r = f32::sqrt(1.0 - z * z);
-        for k in 0..6 {
-            let (sin, cos) = (k as f32 * std::f32::consts::TAU / 6.0).sin_cos();
-            let d = Vec3::new(r * cos, r * sin, z);
-            let (sent, basis) = (value(d), harmonic::basis(d));
-            let weight = weight * std::f32::consts::TAU / 6.0;
-            for (i, b) in basis.iter().enumerate() {
-                sum.area[i] += weight * sent.area * b;
-                (0..3).for_each(|c| sum.light[c][i] += weight * sent.light[c] * b);
-            }
-        }
-    }
-    sum
-}
-
 /// Bits of a half float's mantissa; exponents are as wide as needed.
 fn halved(lobes: &Exact) -> Exact {
     let half = |v: f32| f32::from_bits((v.to_bits() + (1 << 12)) & !((1 << 13) - 1));
@@ -135,17 +120,13 @@ fn halved(lobes: &Exact) -> Exact {
 }
 
 /// Decibels of the light over its error, nodes over their areas; the 99th percentile of a lit
-/// node's own error.
-fn errors(nodes: &Nodes, coded: &[Exact]) -> [f64; 2] {
+/// node's own error. Of each node the squares of error and light.
+fn errors(nodes: &Nodes, squares: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
     let (mut signal, mut noise, mut own) = (0.0, 0.0, Vec::new());
-    for ((area, _, lobes), coded) in nodes.iter().zip(coded) {
-        let pairs = || lobes.light.as_flattened().iter().zip(coded.light.as_flattened());
-        let square = |f: &dyn Fn(f32, f32) -> f32| {
-            pairs().map(|(a, b)| f64::from(f(*a, *b) / area).powi(2)).sum::<f64>()
-        };
-        let (there, wrong) = (square(&|a, _| a), square(&|a, b| a - b));
-        signal += there;
-        noise += wrong;
+    for ((area, ..), [wrong, there]) in nodes.iter().zip(squares) {
+        let scale = f64::from(*area).powi(2);
+        signal += there / scale;
+        noise += wrong / scale;
         if there > 0.0 {
             own.push((wrong / there).sqrt());
         }
@@ -153,4 +134,11 @@ fn errors(nodes: &Nodes, coded: &[Exact]) -> [f64; 2] {
     own.sort_by(f64::total_cmp);
     let p99 = own.get(own.len() * 99 / 100).copied().unwrap_or(0.0);
     [10.0 * (signal / f64::max(noise, f64::MIN_POSITIVE)).log10(), p99]
+}
+
+fn apart(a: &Exact, b: &Exact) -> [f64; 2] {
+    let pairs = a.light.as_flattened().iter().zip(b.light.as_flattened());
+    pairs.fold([0.0; 2], |[wrong, there], (a, b)| {
+        [wrong + f64::from(a - b).powi(2), there + f64::from(*a).powi(2)]
+    })
 }

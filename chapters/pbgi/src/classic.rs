@@ -3,7 +3,8 @@
 //! - Living sides of surfels ([`Record`]) along a Hilbert curve are the leaves; a range is halved down
 //!   to single ones, so that which nodes are whose children follows from numbers and costs nothing.
 //! - An inner node has a position, the mean of its children's, in single precision; a radius that
-//!   bounds what is below it; and its lobes: 27 + 9 floats, or an index into a table of words.
+//!   bounds what is below it; and its lobes: 27 + 9 floats, or an index into a table of words and,
+//!   unless the area has a table too, 9 floats.
 //! - A leaf is 26 bytes in format A (position in floats, half floats for colour, normal and area)
 //!   or 16 in format B (position in 15 bits relative to its parent, as in QSplat).
 //!
@@ -19,6 +20,7 @@ use crate::bitrows::BitRows;
 use crate::bits::{float16_above, from_float16, from_grid, grid};
 use crate::code::{Book, Decoded, Lobes, Pen};
 use crate::cut::{Chooser, Splat, Verdict};
+use crate::harmonic::Sh;
 use crate::hierarchy::Hierarchy;
 use crate::packed::{Record, leaf_radius};
 use crate::payload::Exact;
@@ -111,7 +113,7 @@ struct Scale {
 #[derive(Debug)]
 enum Stored {
     Exact(Vec<Exact>),
-    Coded { book: Box<Book>, rows: BitRows, areas: Vec<u16>, top_area: f32 },
+    Coded { book: Box<Book>, rows: BitRows, areas: Vec<u16>, lobes: Vec<Sh>, top_area: f32 },
 }
 
 /// The parts of a tree that a subtree fills.
@@ -121,6 +123,7 @@ struct Room<'a> {
     radii: &'a mut [u16],
     exact: &'a mut [Exact],
     areas: &'a mut [u16],
+    lobes: &'a mut [Sh],
 }
 
 /// What a subtree hands to its parent.
@@ -153,9 +156,10 @@ impl Classic {
         let inner = records.len().saturating_sub(1);
         let areas = if book.recipe.by_area { vec![0; inner] } else { Vec::new() };
         let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();
+        let lobes = if book.recipe.area.is_empty() { vec![[0.0; 9]; inner] } else { Vec::new() };
         let rows = BitRows::new(inner, book.recipe.widths());
-        let stored =
-            Stored::Coded { book: Box::new(book.clone()), rows, areas, top_area: area as f32 };
+        let (book, top_area) = (Box::new(book.clone()), area as f32);
+        let stored = Stored::Coded { book, rows, areas, lobes, top_area };
         Self::empty(records, leaf, stored).filled(records)
     }
 
@@ -187,11 +191,11 @@ impl Classic {
 
     fn filled(mut self, records: &[Record]) -> Self {
         let mut none = Vec::new();
-        let mut no_areas = Vec::new();
-        let (exact, areas, book) = match &mut self.stored {
-            Stored::Exact(exact) => (exact, &mut no_areas, None),
-            Stored::Coded { book, rows, areas, top_area } => {
-                (&mut none, areas, Some((&**book, &*rows, *top_area)))
+        let (mut no_areas, mut no_lobes) = (Vec::new(), Vec::new());
+        let (exact, areas, lobes, book) = match &mut self.stored {
+            Stored::Exact(exact) => (exact, &mut no_areas, &mut no_lobes, None),
+            Stored::Coded { book, rows, areas, lobes, top_area } => {
+                (&mut none, areas, lobes, Some((&**book, &*rows, *top_area)))
             }
         };
         let maker = Maker { records, leaf: self.leaf, scale: self.scale, book };
@@ -208,6 +212,7 @@ impl Classic {
                     radii: &mut self.radii,
                     exact,
                     areas,
+                    lobes,
                 };
                 self.alive = maker.grow(0, 0..records.len(), room, 0, &mut Pen::default()).alive;
             }
@@ -230,9 +235,10 @@ impl Classic {
         let inner = self.nodes();
         let (light, more, tables) = match &self.stored {
             Stored::Exact(_) => (108 * inner, 36 * inner, 0),
-            Stored::Coded { book, rows, areas, .. } => {
+            Stored::Coded { book, rows, areas, lobes, .. } => {
                 let light = (book.recipe.light_bits() * inner).div_ceil(8);
-                (light, rows.bytes().saturating_sub(light) + 2 * areas.len(), book.size())
+                let more = rows.bytes().saturating_sub(light) + 2 * areas.len() + 36 * lobes.len();
+                (light, more, book.size())
             }
         };
         Counted {
@@ -251,14 +257,53 @@ impl Classic {
         }
     }
 
+    /// Root mean squares of the leaves' errors: position over the leaf's radius; colour over the
+    /// brightest; normal; area, relative.
+    pub fn leaf_errors(&self, records: &[Record]) -> [f64; 4] {
+        let mut sums = [0.0; 4];
+        self.each_leaf(|index, own| {
+            let truth = &records[index];
+            let radius = (truth.area / std::f32::consts::PI).sqrt();
+            let colour = (0..3).map(|c| (own.radiance[0][c] - truth.radiance[0][c]).powi(2));
+            let errors = [
+                (own.position.distance(truth.position) / radius).powi(2),
+                colour.sum::<f32>() / (1024.0 * self.scale.light).powi(2),
+                own.normal.distance_squared(truth.normal),
+                (own.area / truth.area - 1.0).powi(2),
+            ];
+            sums.iter_mut().zip(errors).for_each(|(s, e)| *s += f64::from(e));
+        });
+        sums.map(|s| (s / self.count.max(1) as f64).sqrt())
+    }
+
+    /// Calls `each` with every leaf and its number.
+    fn each_leaf(&self, mut each: impl FnMut(usize, Record)) {
+        let mut open = vec![(0, 0, self.count)];
+        while let Some((node, first, count)) = open.pop().filter(|(.., count)| *count > 1) {
+            let (left, sphere) = (first_half(count), self.sphere(node));
+            for (node, first, count) in
+                [(node + left, first + left, count - left), (node + 1, first, left)]
+            {
+                match count {
+                    1 => each(first, self.record(first, sphere)),
+                    _ => open.push((node, first, count)),
+                }
+            }
+        }
+    }
+
     fn node(&self, index: usize) -> (Node, Decoded) {
         let decoded = match &self.stored {
             Stored::Exact(all) => Decoded { local_from_world: None, lobes: all[index] },
-            Stored::Coded { book, rows, areas, top_area } => {
+            Stored::Coded { book, rows, areas, lobes, top_area } => {
                 let area = areas.get(index).map_or(0.0, |a| from_float16(*a, *top_area));
                 let mut code = Vec::with_capacity(16);
                 book.recipe.to_code(rows.read(index), &mut code);
-                book.decode(&code, area, Vec3::ZERO)
+                let mut decoded = book.decode(&code, area, Vec3::ZERO);
+                if let Some(lobes) = lobes.get(index) {
+                    decoded.lobes.area = *lobes;
+                }
+                decoded
             }
         };
         let area = (decoded.lobes.area[0] * AREA_OF_FIRST).max(0.0);
@@ -314,14 +359,16 @@ impl<'a> Room<'a> {
         let (radii, more_radii) = behind(self.radii, left - 1);
         let (exact, more_exact) = behind(self.exact, left - 1);
         let (areas, more_areas) = behind(self.areas, left - 1);
+        let (lobes, more_lobes) = behind(self.lobes, left - 1);
         [
-            Room { leaves, positions, radii, exact, areas },
+            Room { leaves, positions, radii, exact, areas, lobes },
             Room {
                 leaves: more_leaves,
                 positions: more_positions,
                 radii: more_radii,
                 exact: more_exact,
                 areas: more_areas,
+                lobes: more_lobes,
             },
         ]
     }
@@ -392,6 +439,9 @@ impl Maker<'_> {
             room.exact[0] = done.lobes;
             return;
         };
+        if let Some(lobes) = room.lobes.first_mut() {
+            *lobes = done.lobes.area;
+        }
         let mut area = done.area;
         if let Some(stored) = room.areas.first_mut() {
             *stored = crate::bits::float16(done.area, top_area);
@@ -574,8 +624,8 @@ mod tests {
             assert_eq!(counted.leaves, bytes * n);
             assert_eq!(counted.positions, 12 * (n - 1));
             assert_eq!(counted.light, (10 * (n - 1)).div_ceil(8));
-            // Radii, the area's index, and a word of slack.
-            assert!(counted.more <= (2 * (n - 1)) + (10 * (n - 1)).div_ceil(8) + 16);
+            // Radii, the area's lobes, and two words of slack.
+            assert!(counted.more <= (2 + 36) * (n - 1) + 16);
         }
         assert_eq!(exact.counted().of_thesis(), 26 * n + (12 + 108) * (n - 1));
     }

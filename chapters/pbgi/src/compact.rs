@@ -17,7 +17,7 @@ use crate::bits::{
     axis_of, colour_of, encode_axis, encode_colour, float16, float16_above, from_float16,
     from_grid, from_octahedral, grid, octahedral,
 };
-use crate::code::{Book, Decoded, Lobes, Pen};
+use crate::code::{Book, Decoded, Lobes, Pen, Recipe};
 use crate::curve::Cube;
 use crate::file;
 use crate::packed::{
@@ -163,6 +163,12 @@ impl Format {
         }
         bytes.resize(bytes.len() + (BLOCK - records.len()) * RECORD, 0);
     }
+}
+
+/// Bytes a record of a large tree that is coded so, without its tables.
+pub(crate) fn bytes_a_record(recipe: &Recipe) -> f64 {
+    let nodes = (HEAD + recipe.bytes()) as f64 * FAN as f64 / (FAN - 1) as f64;
+    (nodes + BLOCK_BYTES as f64) / BLOCK as f64
 }
 
 fn signed(byte: u8) -> f32 {
@@ -436,7 +442,7 @@ impl Stored for Compact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::code::{Gains, Recipe};
+    use crate::code::Gains;
     use crate::packed::tests::sheet;
     use crate::packed::{Floats, records};
     use chiaro_basis::Run;
@@ -529,6 +535,27 @@ mod tests {
             read.store.records(block, &|_| true, &mut |r| a.push(r.radiance));
             coded.store.records(block, &|_| true, &mut |r| b.push(r.radiance));
             assert_eq!(a, b);
+        }
+    }
+
+    #[test]
+    fn a_book_comes_back_from_its_file_and_damaged_ones_are_one_sentence() {
+        let (_, coded) = both(3000);
+        let bytes = file::book_bytes(&coded.store.format.book);
+        let back = file::read_book(&bytes, "b").unwrap();
+        assert_eq!(file::book_bytes(&back), bytes);
+        let told = |bytes: &[u8]| match file::read_book(bytes, "b.book") {
+            Ok(_) => String::new(),
+            Err(e) => e.to_string(),
+        };
+        for length in [0, 11, 13, 17, 40, bytes.len() - 1] {
+            assert!(told(&bytes[..length]).contains("b.book"), "{length}");
+        }
+        for i in 0..100 {
+            let mut other = bytes.clone();
+            let at = chiaro_basis::random::hash(6, i) as usize % other.len();
+            other[at] ^= 1 << (i % 8);
+            assert!(told(&other).contains("b.book"), "{at}");
         }
     }
 

@@ -11,7 +11,8 @@
 //! Little-endian everywhere. Parts are written as they are made, so that no tree need ever be in
 //! memory as a whole, and they are read where they lie. [`open`] checks every byte: a file that was
 //! cut off or altered is an error of one sentence, never a wrong picture or a panic. The checksum
-//! is against accidents, not against forgers: forged bytes give some picture.
+//! is against accidents, not against forgers: forged bytes give some picture. Books alone are files
+//! too ([`book_bytes`], [`read_book`]).
 
 use crate::code::{Book, Gains, Recipe, Table, Words};
 use crate::compact::{Bytes, Compact, Format};
@@ -22,6 +23,7 @@ use chiaro_basis::{Error, Result};
 use rayon::prelude::*;
 
 const MAGIC: &[u8; 12] = b"chiaro pbgi\n";
+const BOOK_MAGIC: &[u8; 12] = b"chiaro book\n";
 const VERSION: u32 = 1;
 const END: &[u8; 8] = b"pbgi end";
 /// Bytes of a checksum.
@@ -47,24 +49,7 @@ pub(crate) fn tail(tree: &Packed<Compact>, origin: &str, before: u64) -> Vec<u8>
     w.u64(store.records as u64);
     w.u64(origin.len() as u64);
     w.0.extend(origin.as_bytes());
-    let recipe = &format.book.recipe;
-    let gains = match recipe.gains {
-        Gains::None => 0,
-        Gains::One => 1,
-        Gains::Colours => 2,
-        Gains::Shape => 3,
-    };
-    w.0.extend([u8::from(recipe.by_area), u8::from(recipe.turned), gains]);
-    w.f32(format.book.top);
-    for (tables, stages) in [(&format.book.light, &recipe.light), (&format.book.area, &recipe.area)]
-    {
-        w.u64(stages.len() as u64);
-        for (table, words) in tables.iter().zip(stages) {
-            w.u64(*words as u64);
-            w.u64(table.words.len() as u64);
-            table.words.iter().for_each(|x| w.f32(*x));
-        }
-    }
+    w.book(&format.book);
     w.u64(store.crown.len() as u64);
     for level in &store.crown {
         w.u64(level.len() as u64);
@@ -75,6 +60,34 @@ pub(crate) fn tail(tree: &Packed<Compact>, origin: &str, before: u64) -> Vec<u8>
     w.u64(before);
     w.0.extend(END);
     w.0
+}
+
+/// A book as the bytes of a file: "chiaro book\n", the version (4 bytes), the book, a checksum.
+pub fn book_bytes(book: &Book) -> Vec<u8> {
+    let mut w = Writer(BOOK_MAGIC.to_vec());
+    w.0.extend(VERSION.to_le_bytes());
+    w.book(book);
+    let sum = checksum(&w.0);
+    w.0.extend(sum.to_le_bytes());
+    w.0
+}
+
+/// The book in the bytes of a file. `name` is told in errors.
+pub fn read_book(bytes: &[u8], name: &str) -> Result<Book> {
+    let wrong = |why: &str| Error::input(name, "", why);
+    let Some(rest) = bytes.strip_prefix(BOOK_MAGIC) else {
+        return Err(wrong("is no book; name a file that is not there, and a book is made in it"));
+    };
+    let altered = || wrong("was cut off, altered or damaged; delete it, and a new book is made");
+    let (version, rest) = rest.split_at_checked(4).ok_or_else(altered)?;
+    if version != VERSION.to_le_bytes() {
+        return Err(wrong("was made by another version of chiaro; delete it, and a new one is made"));
+    }
+    let (numbers, sum) = rest.split_at_checked(rest.len().saturating_sub(SUM)).ok_or_else(altered)?;
+    if checksum(&bytes[..bytes.len() - sum.len()]).to_le_bytes() != sum {
+        return Err(altered());
+    }
+    Reader(numbers).book().ok_or_else(altered)
 }
 
 /// A tree in the bytes of a file, and what it was made from. `name` is told in errors.
@@ -136,22 +149,13 @@ fn read_tail(bytes: &[u8]) -> Option<Tail> {
     let records = r.size()?;
     let length = r.size()?;
     let origin = String::from_utf8(r.take(length)?.to_vec()).ok()?;
-    let flags = r.take(3)?;
-    let all = [Gains::None, Gains::One, Gains::Colours, Gains::Shape];
-    let gains = *all.get(usize::from(flags[2]))?;
-    let (by_area, turned) = (flags[0] != 0, flags[1] != 0);
-    let top = r.f32()?;
-    let (light, light_words) = r.tables(gains.dim())?;
-    let (area, area_words) = r.tables(9)?;
-    let words = Words::Clustered;
-    let recipe = Recipe { by_area, turned, gains, light: light_words, area: area_words, words };
+    let book = r.book()?;
     let levels = r.size().filter(|n| *n < 64)?;
     let mut crown = Vec::new();
     for _ in 0..levels {
         let length = r.size()?;
         crown.push(r.take(length)?.to_vec());
     }
-    let book = Book { recipe, top, light, area };
     let format = Format { book, cube, top_area, top_light };
     Some(Tail { format, leaf_radius, records, origin, crown })
 }
@@ -166,6 +170,26 @@ impl Writer {
 
     fn u64(&mut self, value: u64) {
         self.0.extend(value.to_le_bytes());
+    }
+
+    fn book(&mut self, book: &Book) {
+        let recipe = &book.recipe;
+        let gains = match recipe.gains {
+            Gains::None => 0,
+            Gains::One => 1,
+            Gains::Colours => 2,
+            Gains::Shape => 3,
+        };
+        self.0.extend([u8::from(recipe.by_area), u8::from(recipe.turned), gains]);
+        self.f32(book.top);
+        for (tables, stages) in [(&book.light, &recipe.light), (&book.area, &recipe.area)] {
+            self.u64(stages.len() as u64);
+            for (table, words) in tables.iter().zip(stages) {
+                self.u64(*words as u64);
+                self.u64(table.words.len() as u64);
+                table.words.iter().for_each(|x| self.f32(*x));
+            }
+        }
     }
 }
 
@@ -184,6 +208,20 @@ impl<'a> Reader<'a> {
 
     fn size(&mut self) -> Option<usize> {
         usize::try_from(u64::from_le_bytes(self.take(8)?.try_into().ok()?)).ok()
+    }
+
+    fn book(&mut self) -> Option<Book> {
+        let flags = self.take(3)?;
+        let all = [Gains::None, Gains::One, Gains::Colours, Gains::Shape];
+        let gains = *all.get(usize::from(flags[2]))?;
+        let (by_area, turned) = (flags[0] != 0, flags[1] != 0);
+        let top = self.f32()?;
+        let (light, light_words) = self.tables(gains.dim())?;
+        let (area, area_words) = self.tables(9)?;
+        let words = Words::Clustered;
+        let recipe =
+            Recipe { by_area, turned, gains, light: light_words, area: area_words, words };
+        Some(Book { recipe, top, light, area })
     }
 
     /// Tables of words, and how many words each was meant to have.

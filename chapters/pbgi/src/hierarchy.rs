@@ -16,6 +16,20 @@ pub trait Hierarchy: Sync {
     fn is_empty(&self) -> bool;
 }
 
+impl Hierarchy for Box<dyn Hierarchy> {
+    fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64 {
+        (**self).cut(chooser, splats)
+    }
+
+    fn leaf_radius(&self) -> f32 {
+        (**self).leaf_radius()
+    }
+
+    fn is_empty(&self) -> bool {
+        (**self).is_empty()
+    }
+}
+
 impl<P: Payload> Hierarchy for Tree<P> {
     fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64 {
         chooser.cut(self, splats)

@@ -1,7 +1,7 @@
 //! The knobs of light: the one table.
 
 use crate::code::Recipe;
-use crate::stream::SPARSE;
+use crate::stream::{LESSONS, SPARSE};
 use chiaro_basis::{choice, knobs};
 use chiaro_image::tone::Tone;
 
@@ -13,6 +13,17 @@ choice! {
         Exact = "exact",
         /// Coded, built batch by batch.
         Compact = "compact",
+    }
+}
+
+choice! {
+    /// From what a coded tree's book is learned.
+    pub enum Teaching {
+        /// A few frames of the film: one book for all.
+        #[default]
+        Film = "film",
+        /// Each frame by itself.
+        Frame = "frame",
     }
 }
 
@@ -33,6 +44,8 @@ knobs! {
         surfels: u32 = 100000, Count { min: 16, max: 100000000 }, "N (6.3.2)", "", "surfels that stand for the scene's surfaces";
         tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some ten bytes a surfel, any number of surfels";
         clusters: u32 = 0, Count { min: 0, max: 65536 }, "l (6.5.1)", "words", "a compact tree whose lobes are one word each of a table of so many; 0: the default code";
+        max_error: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "6.7", "share", "a compact tree by the smallest book whose error of nodes it has not seen is at most this; 0: the default code";
+        book: Teaching = Teaching::Film, Choice(Teaching::WORDS), "6.5.1", "", "film: one book for all frames of a compact tree; frame: one a frame, which may flicker";
         bounces: u32 = 3, Count { min: 0, max: 64 }, "", "", "times that light is reflected before it reaches what is seen; 0: direct light alone";
         solid_angle: f32 = 2.0, Number { min: 0.05, max: 64.0 }, "sigma (6.3.2)", "texels", "a node whose sphere looks smaller than this is not opened";
         resolution: u32 = 12, Count { min: 2, max: 64 }, "", "texels", "texels along a side of the cube buffer";
@@ -53,12 +66,17 @@ knobs! {
 impl LightKnobs {
     /// Whether the tree is coded.
     pub fn is_compact(&self) -> bool {
-        self.tree == Storage::Compact || self.clusters > 0
+        self.tree == Storage::Compact || self.clusters > 0 || self.max_error > 0.0
     }
 
     /// Surfels that are lit in full and kept: all, or those that a coded tree learns from.
     pub fn kept_surfels(&self) -> u32 {
         if self.is_compact() { self.surfels.min(SPARSE as u32) } else { self.surfels }
+    }
+
+    /// Nodes of a size from which a book is learned, at most.
+    pub fn lessons(&self) -> usize {
+        LESSONS.max(self.clusters as usize)
     }
 
     /// How lobes of a coded tree are coded.

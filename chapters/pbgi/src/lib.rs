@@ -30,6 +30,7 @@
 mod bitrows;
 mod bits;
 pub mod bounce;
+pub mod chosen;
 pub mod classic;
 mod cluster;
 pub mod code;
@@ -62,7 +63,7 @@ pub mod tree;
 
 pub use hierarchy::Hierarchy;
 pub use indirect::{Indirect, Points, Prepared, indirect, prepare};
-pub use knob::{LightKnobs, OwnSky, Storage};
+pub use knob::{LightKnobs, OwnSky, Storage, Teaching};
 pub use payload::{Exact, Payload};
 pub use site::{Site, sites};
 pub use spread::Spread;

@@ -226,7 +226,8 @@ impl Gathered {
 }
 
 impl Sums {
-    fn of_records(records: &[Record]) -> Self {
+    /// The node over records that lie together.
+    pub fn of_records(records: &[Record]) -> Self {
         let mut sums = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, ..Self::default() };
         let node = &mut sums.node;
         for r in records {

@@ -18,10 +18,12 @@ use crate::compact::{Builder, Compact, Format};
 use crate::curve::{BITS, Cube};
 use crate::hierarchy::Hierarchy;
 use crate::near::Reflected;
-use crate::packed::{Floats, Packed, Record, records};
+use crate::packed::{Floats, Packed, Record, Sums, records};
+use crate::payload::Exact;
 use crate::site::Site;
 use crate::spread::Spread;
 use crate::surfel::{Lit, Surfel, Surfels};
+use crate::tree::Node;
 use crate::{LightKnobs, Prepared};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
@@ -35,8 +37,8 @@ pub const SPARSE: u64 = 100_000;
 pub const BATCH: u32 = 1 << 19;
 /// Bits of a cell's index: the highest of the curve's.
 const CELL_BITS: u32 = 21;
-/// Nodes from which a book learns, at most.
-const LESSONS: usize = 65_536;
+/// Nodes of a size from which a book learns, at most.
+pub const LESSONS: usize = 8192;
 
 /// The sparse tree's surfels along the curve, as records.
 pub fn sorted(surfels: &[Surfel], cube: &Cube) -> Vec<Record> {
@@ -47,18 +49,80 @@ pub fn sorted(surfels: &[Surfel], cube: &Cube) -> Vec<Record> {
     records(&sorted)
 }
 
-/// The book that the tree over `records` teaches; every so many nodes, where they are many.
-pub fn book(records: &[Record], recipe: &Recipe, run: &Run) -> Result<Book> {
-    let tree = Packed::build(records);
+/// A node from which a book learns.
+#[derive(Clone, Copy, Debug)]
+pub struct Lesson {
+    /// The summed area.
+    pub area: f32,
+    /// The mean normal.
+    pub axis: Vec3,
+    /// The sums.
+    pub sums: Exact,
+}
+
+/// The nodes of the tree over `records`, and groups of 1, 2, 4 and 8 records: as large as are the
+/// blocks of denser trees. Of a size, every so many where they are more than `most`.
+pub fn lessons(records: &[Record], most: usize) -> Vec<Lesson> {
+    let mut all = Vec::new();
+    let mut take = |lessons: Vec<Lesson>| {
+        let step = lessons.len().div_ceil(most).max(1);
+        all.extend(lessons.into_iter().step_by(step));
+    };
+    let lesson = |node: &Node, sums: &Exact| Lesson { area: node.area, axis: node.axis, sums: *sums };
+    for size in [1, 2, 4, 8] {
+        let step = (records.len() / size).div_ceil(most).max(1);
+        let group = |group: &[Record]| {
+            let sums = Sums::of_records(group);
+            lesson(&sums.node, &sums.lobes)
+        };
+        take(records.chunks(size).step_by(step).map(group).collect());
+    }
     let mut nodes = Vec::new();
-    tree.each_node(|node, lobes| nodes.push((node.area, node.axis, *lobes)));
-    let step = nodes.len().div_ceil(LESSONS).max(1);
-    let lessons: Vec<Lobes> = nodes
-        .iter()
-        .step_by(step)
-        .map(|(area, axis, sums)| Lobes { sums, area: *area, axis: *axis })
-        .collect();
-    Book::train(&lessons, recipe, 1, run)
+    Packed::build(records).each_node(|node, lobes| nodes.push(lesson(node, lobes)));
+    take(nodes);
+    all
+}
+
+/// The book that `records` teach.
+pub fn book(records: &[Record], recipe: &Recipe, run: &Run) -> Result<Book> {
+    taught(&lessons(records, LESSONS), recipe, run)
+}
+
+/// The book that lessons teach.
+pub fn taught(lessons: &[Lesson], recipe: &Recipe, run: &Run) -> Result<Book> {
+    let lobes: Vec<Lobes> = lessons.iter().map(Lesson::lobes).collect();
+    Book::train(&lobes, recipe, 1, run)
+}
+
+impl Lesson {
+    /// As a book takes it.
+    pub fn lobes(&self) -> Lobes<'_> {
+        Lobes { sums: &self.sums, area: self.area, axis: self.axis }
+    }
+}
+
+/// The tree over records, coded with a book, as a whole.
+pub fn coded_in_memory(records: &[Record], book: &Book) -> Result<Packed<Compact>> {
+    let low = records.iter().fold(Vec3::INFINITY, |m, r| m.min(r.position));
+    let high = records.iter().fold(Vec3::NEG_INFINITY, |m, r| m.max(r.position));
+    let cube =
+        if records.is_empty() { Cube::around(Vec3::ZERO, Vec3::ONE) } else { Cube::around(low, high) };
+    let sum = |r: &Record| r.radiance[0].iter().sum::<f32>();
+    let brightest = records.iter().map(sum).fold(0.0, f32::max);
+    let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();
+    let mut builder = Builder::new(Format {
+        book: book.clone(),
+        cube,
+        top_area: area.max(f64::from(f32::MIN_POSITIVE)) as f32,
+        top_light: if brightest > 0.0 { brightest } else { 1.0 },
+    });
+    builder.add(records.to_vec())?;
+    builder.done("")
+}
+
+/// Bytes a record of a large tree that is coded so, without its tables.
+pub fn bytes_a_record(recipe: &Recipe) -> f64 {
+    crate::compact::bytes_a_record(recipe)
 }
 
 /// The cube around everything drawn.

@@ -205,6 +205,8 @@ fn light_pictures(folder: &Path, record: &mut Record, run: &Run) -> Result<Vec<(
             check: light::Check::Nothing,
             bake: None,
             tree: None,
+            book: None,
+            memory: None,
             backdrop: None,
             target: Target::parse(&folder.join(file), 1)?,
         };

@@ -178,9 +178,18 @@ impl Observer for Stopwatch {
 }
 
 /// The most memory the process held, from the system's own books.
-fn peak_bytes() -> u64 {
+pub(crate) fn peak_bytes() -> u64 {
+    of_status("VmHWM:")
+}
+
+/// The memory that the process holds now; 0 where the system does not say.
+pub(crate) fn resident_bytes() -> u64 {
+    of_status("VmRSS:")
+}
+
+fn of_status(name: &str) -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    let line = status.lines().find_map(|l| l.strip_prefix(name));
     let kilobytes = line.and_then(|l| l.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok());
     kilobytes.unwrap_or(0) * 1024
 }

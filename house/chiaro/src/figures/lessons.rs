@@ -70,3 +70,15 @@ pub(super) fn mean_error(nodes: &Nodes, book: &Book) -> f64 {
     let sum = |k: usize| reduce::sum(parts.len(), |i| parts[i][k]);
     sum(0) / sum(1).max(f64::MIN_POSITIVE)
 }
+
+/// The 99th percentile of a lit node's own relative error.
+pub(super) fn p99_error(nodes: &Nodes, book: &Book) -> f64 {
+    let one = |pen: &mut Pen, (area, sums): &(f32, Exact)| {
+        book.error(&Lobes { sums, area: *area, axis: Vec3::ZERO }, pen)
+    };
+    let squares: Vec<[f64; 2]> = nodes.par_iter().map_init(Pen::default, one).collect();
+    let lit = squares.into_iter().filter(|[_, there]| *there > 0.0);
+    let mut own: Vec<f64> = lit.map(|[wrong, there]| (wrong / there).sqrt()).collect();
+    own.sort_by(f64::total_cmp);
+    own.get(own.len() * 99 / 100).copied().unwrap_or(0.0)
+}

@@ -5,12 +5,16 @@
 mod brushes;
 mod chapter3;
 mod chapter4;
+mod chart;
 mod comparisons;
 mod diffusion;
 mod films;
+mod lessons;
+mod measured;
 mod methods;
 mod painting;
 mod plate;
+mod quantized;
 mod strokes;
 mod swept;
 
@@ -62,7 +66,7 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     let mut record = Record::new("figures");
     let mut sections = Vec::new();
     let (taking, plain): (Vec<&String>, Vec<&String>) =
-        names.iter().partition(|n| TAKING.contains(&n.as_str()));
+        names.iter().partition(|n| TAKING.contains(&n.as_str()) || is_measured(n));
     let figures = match (names.is_empty(), scenes.is_empty()) {
         (true, true) => all().collect(),
         _ => chosen(&plain)?,
@@ -81,6 +85,10 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
         });
     }
     let named = |name: &str| taking.iter().any(|n| *n == name);
+    for figure in quantized::all().filter(|f| named(f.name) || names.is_empty()) {
+        run.check()?;
+        sections.push(measured_figure(figure, scenes, folder, &mut record, run)?);
+    }
     if named(BASELINES) || names.is_empty() {
         sections.push(baselines(scenes, folder, &mut record, run)?);
     }
@@ -93,7 +101,7 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     if named(STROKES) {
         sections.push(stroke_films(scenes, folder, &mut record, run)?);
     }
-    let intro = "Figures of chapters 3 and 4 of Buchholz (2012), remade.";
+    let intro = "Figures of chapters 3, 4 and 6 of Buchholz (2012), remade.";
     let html = page::html("Figures", intro, &sections);
     record.outputs.push(write::whole(&folder.join("index.html"), html.as_bytes())?);
     Ok(record)
@@ -104,6 +112,34 @@ fn some_or(scenes: &[String], defaults: &[&str]) -> Vec<String> {
         [] => defaults.iter().map(|s| (*s).to_owned()).collect(),
         some => some.to_vec(),
     }
+}
+
+fn is_measured(name: &str) -> bool {
+    quantized::all().any(|f| f.name == name)
+}
+
+/// A figure that takes scenes, and its measures in the record.
+fn measured_figure(
+    figure: &quantized::Measured,
+    scenes: &[String],
+    folder: &Path,
+    record: &mut Record,
+    run: &Run,
+) -> Result<Section> {
+    let name = match figure.name.strip_prefix("table-") {
+        Some(number) => format!("Table {number}"),
+        None => format!("Figure {}", figure.name),
+    };
+    let mut sheet = Sheet::new(figure.columns).title(format!("{name}: {}", figure.title));
+    let rows = (figure.draw)(&some_or(scenes, figure.scenes), &mut sheet, run)?;
+    let file = format!("figure-{}.png", figure.name);
+    record.outputs.push(write_sheet(&folder.join(&file), &sheet, run)?);
+    record.count(figure.name, rows);
+    Ok(Section {
+        title: format!("{name}: {}", figure.title),
+        text: figure.message.into(),
+        pictures: vec![(file, figure.title.into())],
+    })
 }
 
 /// The sheet of all methods, and their measures in the record.
@@ -191,7 +227,8 @@ fn stroke_films(
 fn chosen(names: &[&String]) -> Result<Vec<&'static Figure>> {
     let find = |name: &&String| {
         all().find(|f| f.name == name.as_str()).ok_or_else(|| {
-            let known: Vec<&str> = all().map(|f| f.name).chain(TAKING).collect();
+            let measured = quantized::all().map(|f| f.name);
+            let known: Vec<&str> = all().map(|f| f.name).chain(measured).chain(TAKING).collect();
             let hint = nearest(name, known.iter().copied());
             let hint = hint.map(|n| format!("; did you mean {n}?")).unwrap_or_default();
             Error::setting("figure", name, format!("one of {}{hint}", known.join(", ")))

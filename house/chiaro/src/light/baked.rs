@@ -4,6 +4,8 @@
 //! when memory is short, so that a tree may be larger than memory, and renders at the same time share one copy.
 //! It is opened once for a film; all of its bytes are checked then.
 
+use super::book::Taught;
+use super::cap::Cap;
 use crate::disk::reason;
 use crate::project::Project;
 use crate::record::Output;
@@ -26,6 +28,10 @@ pub(crate) struct TreeFiles {
     pub(crate) bake: Option<PathBuf>,
     /// What the tree is made from.
     pub(crate) origin: String,
+    /// The book that all frames share.
+    pub(crate) book: Option<Taught>,
+    /// The most memory that may be used.
+    pub(crate) cap: Option<Cap>,
     /// Files that were written.
     pub(crate) written: Mutex<Vec<Output>>,
 }
@@ -41,21 +47,25 @@ pub(crate) struct Baked {
 pub(crate) fn origin(project: &Project, knobs: &LightKnobs, env_hash: Option<&str>) -> String {
     json!({
         "program": "chiaro", "input_sha256": project.hash, "surfels": knobs.surfels,
-        "bounces": knobs.bounces, "clusters": knobs.clusters, "sun": project.options.sun,
-        "env_sha256": env_hash,
+        "bounces": knobs.bounces, "clusters": knobs.clusters, "max_error": knobs.max_error,
+        "sun": project.options.sun, "env_sha256": env_hash,
     })
     .to_string()
 }
 
 /// Maps a tree file and checks it; a warning when it was made from another scene or other light.
-pub(crate) fn open(path: &Path, expected: &str, run: &Run) -> Result<Baked> {
+pub(crate) fn open(path: &Path, expected: &str, cap: Option<&Cap>, run: &Run) -> Result<Baked> {
     let name = path.display().to_string();
     let fail = |e: std::io::Error| Error::input(name.clone(), "", reason(&e));
     let opened = File::open(path).map_err(fail)?;
     if opened.metadata().map_err(fail)?.len() == 0 {
         return Err(Error::input(name, "", "is empty; make one with chiaro light --bake"));
     }
-    let bytes = mapped(&opened).map_err(fail)?;
+    let map = map(&opened).map_err(fail)?;
+    if let Some(cap) = cap {
+        cap.keeps(&map);
+    }
+    let bytes: Bytes = Arc::new(Mapped(map));
     let (tree, origin) = run.stage("load", 1, || file::open(bytes, &name))?;
     if origin != expected {
         run.warn(format!(
@@ -66,14 +76,22 @@ pub(crate) fn open(path: &Path, expected: &str, run: &Run) -> Result<Baked> {
     Ok(Baked { tree, origin })
 }
 
+/// A map that is shared with who keeps the cap.
+struct Mapped(Arc<Mmap>);
+
+impl AsRef<[u8]> for Mapped {
+    fn as_ref(&self) -> &[u8] {
+        &self.0
+    }
+}
+
 /// The bytes of a file where they lie.
 #[allow(unsafe_code)]
-fn mapped(file: &File) -> std::io::Result<Bytes> {
+pub(crate) fn map(file: &File) -> std::io::Result<Arc<Mmap>> {
     // SAFETY: the map is read only. Were the file changed while it is mapped, other numbers would
     // be read; every number from it is clamped to what there is, and tree files are replaced by
     // renaming, never rewritten. The safe twin, reading it all, needs the memory this is to spare.
-    let map = unsafe { Mmap::map(file)? };
-    Ok(Arc::new(map))
+    Ok(Arc::new(unsafe { Mmap::map(file)? }))
 }
 
 #[cfg(test)]
@@ -84,7 +102,7 @@ mod tests {
     fn what_is_no_tree_file_is_one_sentence() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.pbgi");
-        let told = || match open(&path, "", &Run::default()) {
+        let told = || match open(&path, "", None, &Run::default()) {
             Ok(_) => String::new(),
             Err(e) => e.to_string(),
         };
@@ -100,7 +118,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a");
         std::fs::write(&path, b"some bytes").unwrap();
-        let bytes = mapped(&File::open(&path).unwrap()).unwrap();
-        assert_eq!((*bytes).as_ref(), std::fs::read(&path).unwrap());
+        let map = map(&File::open(&path).unwrap()).unwrap();
+        assert_eq!(map[..], std::fs::read(&path).unwrap());
     }
 }

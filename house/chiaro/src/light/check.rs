@@ -95,7 +95,7 @@ pub(super) fn against_exact(
 }
 
 /// A picture as displayed, sRGB-encoded.
-fn displayed(seen: &Plane<Seen>, exposure: f32, tone: Tone) -> Plane<[f32; 3]> {
+pub(super) fn displayed(seen: &Plane<Seen>, exposure: f32, tone: Tone) -> Plane<[f32; 3]> {
     seen.map(|s| {
         let all = std::array::from_fn(|c| exposure * (s.direct[c] + s.indirect[c] + s.beyond[c]));
         tone.map(all).map(srgb_encode)

@@ -1,6 +1,7 @@
 //! Gathers from a tree, stored as the knobs say, and from its oracle.
 
 use super::baked;
+use super::book;
 use super::shot::Shot;
 use crate::growing::Growing;
 use chiaro_basis::{Result, Run};
@@ -32,6 +33,10 @@ pub(super) fn gather(
     oracle: bool,
     run: &Run,
 ) -> Result<Gathered> {
+    let files = &shot.files;
+    if let Some(cap) = &files.cap {
+        cap.check(knobs, files.baked.is_some() || files.bake.is_some(), files.baked.is_some())?;
+    }
     if !knobs.is_compact() {
         let sparse = shot.kept.prepare(*lit, &shot.sites, knobs, run)?;
         let dead = sparse.surfels.dead_sides();
@@ -45,8 +50,8 @@ pub(super) fn gather(
     let sparse = prepare(*lit, &shot.sites, knobs, run)?;
     let dead = sparse.surfels.dead_sides();
     let cube = stream::cube(lit, &shot.spread);
-    let tree = match &shot.files.baked {
-        Some(baked) => baked.tree.clone(),
+    let (tree, told) = match &files.baked {
+        Some(baked) => (baked.tree.clone(), Map::new()),
         None => built(shot, &sparse, cube, knobs, run)?,
     };
     let words = tree.store.format.book.words();
@@ -56,6 +61,11 @@ pub(super) fn gather(
     let numbers = [shot.spread.count, nodes as u64, words as u64, bytes as u64];
     let mut counts = measures(numbers, dead, &found);
     counts.insert("records".into(), json!(records));
+    counts.extend(told);
+    if let Some(cap) = &files.cap {
+        counts.insert("memory_cap".into(), json!(cap.bytes()));
+        counts.insert("pages_given_back".into(), json!(cap.given_back()));
+    }
     let exact = match oracle {
         true => {
             let tree = stream::build_exact(&scene, &shot.spread, cube, run)?;
@@ -66,29 +76,35 @@ pub(super) fn gather(
     Ok(Gathered { found, exact, counts })
 }
 
-/// Teaches a book and codes the tree, in memory or into a file that is then mapped.
+/// Codes the tree, with the shot's book or one of its own, in memory or into a file that is then
+/// mapped; and what is told of the book.
 fn built(
     shot: &Shot,
     sparse: &Prepared,
     cube: Cube,
     knobs: &LightKnobs,
     run: &Run,
-) -> Result<Packed<Compact>> {
-    let lessons = stream::sorted(&sparse.surfels.all, &cube);
-    let book =
-        run.stage("book", lessons.len() as u64, || stream::book(&lessons, &knobs.recipe(), run))?;
-    drop(lessons);
-    let format = stream::format(book, cube, &shot.spread, &sparse.surfels);
+) -> Result<(Packed<Compact>, Map<String, Value>)> {
     let files = &shot.files;
+    let taught = match &files.book {
+        Some(taught) => taught.clone(),
+        None => {
+            let records = stream::sorted(&sparse.surfels.all, &cube);
+            book::taught(&stream::lessons(&records, knobs.lessons()), knobs, run)?
+        }
+    };
+    let told = taught.counts;
+    let format = stream::format(taught.book, cube, &shot.spread, &sparse.surfels);
     let Some(path) = &files.bake else {
-        return stream::build(sparse, &shot.spread, Builder::new(format), "", run);
+        let tree = stream::build(sparse, &shot.spread, Builder::new(format), "", run)?;
+        return Ok((tree, told));
     };
     let mut file = Growing::create(path)?;
     let builder = Builder::into_file(format, Box::new(|bytes| file.write(bytes)))?;
     stream::build(sparse, &shot.spread, builder, &files.origin, run)?;
     let written = run.stage("write", 1, || file.finish())?;
     files.written.lock().unwrap_or_else(PoisonError::into_inner).push(written);
-    Ok(baked::open(path, &files.origin, run)?.tree)
+    Ok((baked::open(path, &files.origin, files.cap.as_ref(), run)?.tree, told))
 }
 
 fn measures(

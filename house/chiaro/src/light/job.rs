@@ -1,6 +1,8 @@
 //! The job: frames in, lit pictures out.
 
 use super::baked::{self, TreeFiles};
+use super::book;
+use super::cap::{Cap, shown};
 use super::check;
 use super::coded::{self, Gathered};
 use super::layers::{Backdrop, Layers};
@@ -19,7 +21,7 @@ use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{GBuffer, ambient_occlusion, direct_irradiance};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
-use std::sync::PoisonError;
+use std::sync::{Mutex, PoisonError};
 
 choice! {
     /// How light is transported.
@@ -69,6 +71,10 @@ pub struct Job<'a> {
     pub bake: Option<PathBuf>,
     /// A tree that was written so, used in every frame.
     pub tree: Option<PathBuf>,
+    /// A book that is read, or made where it is not there yet.
+    pub book: Option<PathBuf>,
+    /// The most memory that may be used, in bytes.
+    pub memory: Option<u64>,
     /// What stands behind the scene.
     pub backdrop: Option<[f32; 4]>,
     /// Where the picture goes.
@@ -119,6 +125,12 @@ impl Job<'_> {
         let mut written = shot.files.written.lock().unwrap_or_else(PoisonError::into_inner);
         record.outputs.append(&mut written);
         drop(written);
+        if let Some(cap) = self.memory {
+            let peak = crate::record::peak_bytes();
+            if peak > cap {
+                run.warn(format!("the peak of memory was {}, over the cap", shown(peak)));
+            }
+        }
         Ok(record)
     }
 
@@ -128,8 +140,17 @@ impl Job<'_> {
             return Err(Error::setting("--bake", "several frames", why));
         }
         let origin = baked::origin(self.project, self.knobs, shot.env_hash.as_deref());
-        let baked = self.tree.as_deref().map(|path| baked::open(path, &origin, run)).transpose()?;
-        Ok(TreeFiles { baked, bake: self.bake.clone(), origin, ..TreeFiles::default() })
+        let cap = self.memory.map(Cap::new);
+        let open = |path| baked::open(path, &origin, cap.as_ref(), run);
+        let baked = self.tree.as_deref().map(open).transpose()?;
+        let (mut book, mut written) = (None, Vec::new());
+        if self.knobs.is_compact() && baked.is_none() {
+            let (taught, output) =
+                book::of_shot(self.project, shot, self.knobs, self.book.as_deref(), run)?;
+            (book, written) = (taught, output.into_iter().collect());
+        }
+        let written = Mutex::new(written);
+        Ok(TreeFiles { baked, bake: self.bake.clone(), origin, book, cap, written })
     }
 
     fn backdrop(&self) -> Backdrop {
@@ -239,6 +260,10 @@ impl Job<'_> {
         s.insert("backdrop".into(), json!(self.backdrop));
         let baked = shot.files.baked.as_ref().map(|b| crate::write::sha256(b.origin.as_bytes()));
         s.insert("baked_from".into(), json!(baked));
+        let book = shot.files.book.as_ref().map(|b| {
+            crate::write::sha256(&chiaro_pbgi::file::book_bytes(&b.book))
+        });
+        s.insert("book_sha256".into(), json!(book));
         s.insert("exposure_factor".into(), json!(shot.exposure));
         s.extend(knob_settings(self.knobs));
         s

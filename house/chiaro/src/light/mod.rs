@@ -5,13 +5,18 @@
 //! 2. A frame at a time: rays, direct light, surfels, tree, gathers, and the file, written whole.
 
 mod baked;
+mod book;
+mod cap;
 mod check;
 mod coded;
 mod job;
 mod kept;
 mod layers;
 mod shot;
+mod still;
 mod trial;
 
+pub use cap::parse_bytes;
 pub use job::{Check, Job, Method, check_target};
+pub(crate) use still::{AnyTree, Still, nearness, still};
 pub use trial::{Outcome, Truth, Way, trial};

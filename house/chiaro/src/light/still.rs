@@ -10,7 +10,7 @@ use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::Lit;
 use chiaro_pbgi::{Hierarchy, LightKnobs, Prepared, Spread, indirect, prepare, sites, stream};
 use chiaro_scene::Frame;
-use chiaro_trace::{GBuffer, direct_irradiance};
+use chiaro_trace::{Direct, GBuffer, direct_irradiance};
 
 /// A tree of any kind.
 pub(crate) type AnyTree = Box<dyn Hierarchy>;
@@ -21,7 +21,7 @@ pub(crate) struct Still<'a> {
     frame: &'a Frame,
     lit: Lit<'a>,
     buffer: &'a GBuffer,
-    direct: Plane<[f32; 3]>,
+    direct: Direct,
     knobs: LightKnobs,
 }
 
@@ -63,8 +63,8 @@ impl Still<'_> {
     pub(crate) fn points(&self, count: usize, run: &Run) -> Result<Prepared<'_, AnyTree>> {
         let knobs = LightKnobs { surfels: count as u32, ..self.knobs.clone() };
         let sites = sites(&self.shot.project.scene, self.frame, count);
-        let (tree, _) = (prepare(self.lit, &sites, &knobs, run)?, ());
-        let Prepared { lit, surfels, reflected, tree, knobs, shift } = tree;
+        let Prepared { lit, surfels, reflected, tree, knobs, shift } =
+            prepare(self.lit, &sites, &knobs, run)?;
         Ok(Prepared { lit, surfels, reflected, tree: Box::new(tree), knobs, shift })
     }
 
