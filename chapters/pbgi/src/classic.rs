@@ -504,7 +504,7 @@ impl Hierarchy for Classic {
                 Verdict::Leave => {}
                 Verdict::Splat => {
                     let (node, lobes) = self.node(node);
-                    splats.extend(chooser.node(&node, |d| lobes.sent(d)));
+                    splats.extend(chooser.node(&node, |d| lobes.sent(d), |d| lobes.both(d)));
                 }
                 Verdict::Open => {
                     let left = first_half(count);

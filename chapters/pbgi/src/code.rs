@@ -53,10 +53,18 @@ pub struct Decoded {
 }
 
 impl Decoded {
+    fn basis(&self, direction: Vec3) -> Sh {
+        harmonic::basis(self.local_from_world.map_or(direction, |m| m * direction))
+    }
+
+    /// What is seen and sent in a direction of the world, and in the opposite one.
+    pub fn both(&self, direction: Vec3) -> [Sent; 2] {
+        self.lobes.sent_both(&self.basis(direction))
+    }
+
     /// What is seen and sent in a direction of the world.
     pub fn sent(&self, direction: Vec3) -> Sent {
-        let local = self.local_from_world.map_or(direction, |m| m * direction);
-        let basis = harmonic::basis(local);
+        let basis = self.basis(direction);
         Sent {
             area: harmonic::evaluate(&self.lobes.area, &basis),
             light: [0, 1, 2].map(|c| harmonic::evaluate(&self.lobes.light[c], &basis)),

@@ -71,8 +71,10 @@ impl Chooser {
                     continue;
                 }
                 Verdict::Splat => {
-                    let sent = |d: Vec3| tree.payload[index].sent(&tree.book, &basis(d));
-                    splats.extend(self.node(node, sent));
+                    let payload = &tree.payload[index];
+                    let sent = |d: Vec3| payload.sent(&tree.book, &basis(d));
+                    let both = |d: Vec3| payload.both(&tree.book, &basis(d));
+                    splats.extend(self.node(node, sent, both));
                     index += node.size as usize;
                     continue;
                 }
@@ -98,23 +100,31 @@ impl Chooser {
         if small && clear { Verdict::Splat } else { Verdict::Open }
     }
 
-    /// What is seen of a node that sends this in a direction.
-    pub(crate) fn node(&self, node: &Node, sent: impl Fn(Vec3) -> Sent) -> Option<Splat> {
+    /// What is seen of a node that sends this in a direction, and in one and its opposite.
+    pub(crate) fn node(
+        &self,
+        node: &Node,
+        sent: impl Fn(Vec3) -> Sent,
+        both: impl Fn(Vec3) -> [Sent; 2],
+    ) -> Option<Splat> {
         let (direction, distance) = (node.mean - self.from).normalize_and_length();
         if self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
             return None;
         }
-        let towards = sent(-direction);
-        let least = LEAST_AREA * node.area;
-        let (mut area, mut radiance) =
-            (towards.area.max(0.0), towards.light.map(|l| l.max(0.0) / towards.area.max(least)));
         let length = node.axis.length();
         let flatness = if self.flat { smooth(FLAT, length) } else { 0.0 };
+        let (mut area, mut radiance) = (0.0, [0.0; 3]);
+        if flatness < 1.0 {
+            let towards = sent(-direction);
+            let least = LEAST_AREA * node.area;
+            area = towards.area.max(0.0);
+            radiance = towards.light.map(|l| l.max(0.0) / towards.area.max(least));
+        }
         if flatness > 0.0 {
             let axis = node.axis / length;
             let cosine = -axis.dot(direction);
             let facing = if cosine > 0.0 { axis } else { -axis };
-            let (ahead, behind) = (sent(facing), sent(-facing));
+            let [ahead, behind] = both(facing);
             let own = front_of_flat(ahead.area, behind.area);
             let mix = |a: f32, b: f32| a + (b - a) * flatness;
             let flat = [0, 1, 2].map(|c| match own > 1e-6 * node.area {

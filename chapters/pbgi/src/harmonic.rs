@@ -42,6 +42,14 @@ pub fn evaluate(coefficients: &Sh, basis: &Sh) -> f32 {
     sum
 }
 
+/// The sums in the direction of a basis and in the opposite one, where the second band changes sign.
+pub fn evaluate_both(coefficients: &Sh, basis: &Sh) -> [f32; 2] {
+    let term = |i: usize| coefficients[i] * basis[i];
+    let odd = term(1) + term(2) + term(3);
+    let even = term(0) + term(4) + term(5) + term(6) + term(7) + term(8);
+    [even + odd, even - odd]
+}
+
 /// (6.2) for the visible area max(0, `area` n.w) of a disc with this normal, in closed form: the
 /// zonal coefficients of the clamped cosine, turned to n. It gives 17/16 of the area straight
 /// ahead and 1/16 straight behind.
@@ -119,6 +127,8 @@ mod tests {
         let (front, back) = (disc(n, 3.0), disc(-n, 0.5));
         let both: Sh = std::array::from_fn(|i| front[i] + back[i]);
         let (ahead, behind) = (evaluate(&both, &basis(n)), evaluate(&both, &basis(-n)));
+        let [a, b] = evaluate_both(&both, &basis(n));
+        assert!((a - ahead).abs() < 1e-5 && (b - behind).abs() < 1e-5);
         assert!((front_of_flat(ahead, behind) - 3.0).abs() < 1e-4);
         assert!((front_of_flat(behind, ahead) - 0.5).abs() < 1e-4);
     }

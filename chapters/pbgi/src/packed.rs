@@ -110,7 +110,7 @@ impl<S: Stored> Hierarchy for Packed<S> {
                     Verdict::Leave => {}
                     Verdict::Splat => {
                         let (node, lobes) = self.store.node(level, index);
-                        splats.extend(chooser.node(&node, |d| lobes.sent(d)));
+                        splats.extend(chooser.node(&node, |d| lobes.sent(d), |d| lobes.both(d)));
                     }
                     Verdict::Open if level == 0 => {
                         let each = &mut |r: &Record| splats.extend(chooser.surfel(r));

@@ -23,6 +23,9 @@ pub trait Payload: Copy + Send + Sync {
 
     /// The area that is seen and the light that is sent in the direction of `basis`.
     fn sent(&self, book: &Self::Book, basis: &Sh) -> Sent;
+
+    /// The same, and what is sent in the opposite direction.
+    fn both(&self, book: &Self::Book, basis: &Sh) -> [Sent; 2];
 }
 
 /// The sums themselves.
@@ -59,8 +62,24 @@ impl Exact {
     }
 }
 
+impl Exact {
+    /// What is sent in the direction of `basis`, and in the opposite one.
+    pub(crate) fn sent_both(&self, basis: &Sh) -> [Sent; 2] {
+        let [a, a_behind] = harmonic::evaluate_both(&self.area, basis);
+        let [r, g, b] = self.light.each_ref().map(|c| harmonic::evaluate_both(c, basis));
+        [
+            Sent { area: a, light: [r[0], g[0], b[0]] },
+            Sent { area: a_behind, light: [r[1], g[1], b[1]] },
+        ]
+    }
+}
+
 impl Payload for Exact {
     type Book = ();
+
+    fn both(&self, (): &(), basis: &Sh) -> [Sent; 2] {
+        self.sent_both(basis)
+    }
 
     fn sent(&self, (): &(), basis: &Sh) -> Sent {
         Sent {
