@@ -49,7 +49,7 @@ const FIGURES: [Measured; 6] = [
         name: "6.5",
         title: "sparse and dense sampling",
         message: "Surfels from whose tree words are learned, and those of the picture; a tenth as many. Each \
-                  disc in the light that it sends, drawn at 0.7 of its radius.",
+                  disc in the light that it sends, drawn at 0.7 of its radius on grey.",
         columns: 2,
         scenes: &SCENES,
         draw: sampling,
@@ -162,7 +162,7 @@ fn sampling(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value
     for scene in scenes {
         still(scene, SIZE, &lessons::knobs(), run, |at| {
             // Fewer than in other figures, so that discs can be seen.
-            for count in [SPARSE / 10, SPARSE] {
+            for count in [SPARSE / 4, 5 * SPARSE / 2] {
                 let points = at.points(count, run)?;
                 let text = format!("{}: {count} surfels", name_of(scene));
                 sheet.add(bytes(&at.discs(&points)), text);

@@ -7,9 +7,10 @@ use chiaro_basis::{Result, Run};
 use chiaro_image::{Plane, metric};
 use chiaro_pbgi::packed::Record;
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
-use chiaro_pbgi::surfel::Lit;
+use chiaro_pbgi::surfel::{Lit, Surfels};
 use chiaro_pbgi::{Hierarchy, LightKnobs, Prepared, Spread, indirect, prepare, sites, stream};
 use chiaro_scene::Frame;
+use std::time::Instant;
 use chiaro_trace::{Direct, GBuffer, direct_irradiance};
 
 /// A tree of any kind.
@@ -68,6 +69,14 @@ impl Still<'_> {
         Ok(Prepared { lit, surfels, reflected, tree: Box::new(tree), knobs, shift })
     }
 
+    /// Seconds to light so many surfels, dead sides found.
+    pub(crate) fn lighting(&self, count: usize, run: &Run) -> Result<f64> {
+        let sites = sites(&self.shot.project.scene, self.frame, count);
+        let start = Instant::now();
+        Surfels::light(&self.lit, &sites, &self.knobs, run)?;
+        Ok(start.elapsed().as_secs_f64())
+    }
+
     /// The living sides of surfels along the curve.
     pub(crate) fn records(&self, points: &Prepared<AnyTree>) -> Vec<Record> {
         let count = points.surfels.all.len() as u64;
@@ -91,7 +100,7 @@ impl Still<'_> {
         displayed(&indirect, self.shot.exposure, self.knobs.tone)
     }
 
-    /// The surfel discs that are seen: each pixel in its surfel's colour, dark between discs.
+    /// The surfel discs that are seen: each pixel in its surfel's colour, grey between discs.
     pub(crate) fn discs(&self, points: &Prepared<AnyTree>) -> Plane<[f32; 3]> {
         let (surfels, grid) = (&points.surfels, &points.reflected.grid);
         let (width, height) = self.buffer.size();
@@ -107,7 +116,8 @@ impl Still<'_> {
                 let radius = 0.7 * (s.area / std::f32::consts::PI).sqrt();
                 s.position.distance(position) < radius
             });
-            Seen { direct: disc.map_or([0.0; 3], |(s, side)| s.radiance[side]), ..Seen::default() }
+            let grey = [0.04 / self.shot.exposure; 3];
+            Seen { direct: disc.map_or(grey, |(s, side)| s.radiance[side]), ..Seen::default() }
         });
         displayed(&radiance, self.shot.exposure, self.knobs.tone)
     }
