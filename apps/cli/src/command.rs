@@ -162,7 +162,8 @@ impl LightSettings {
             }
             knobs.set("max_error", &error.to_string())?;
         }
-        let memory = args.memory.as_deref().map(|m| light::parse_bytes("--memory", m)).transpose()?;
+        let memory =
+            args.memory.as_deref().map(|m| light::parse_bytes("--memory", m)).transpose()?;
         if args.bake.is_some() || args.tree.is_some() || args.book.is_some() {
             knobs.set("tree", "compact")?;
         }

@@ -17,47 +17,22 @@
 //! same bits for any number of threads.
 
 use crate::bitrows::BitRows;
-use crate::bits::{float16_above, from_float16, from_grid, grid};
+use crate::bits::{float16_above, from_float16};
 use crate::code::{Book, Decoded, Lobes, Pen};
 use crate::cut::{Chooser, Splat, Verdict};
 use crate::harmonic::Sh;
 use crate::hierarchy::Hierarchy;
+pub use crate::leaf::Leaf;
+use crate::leaf::Scale;
 use crate::packed::{Record, leaf_radius};
 use crate::payload::Exact;
 use crate::tree::Node;
-use chiaro_basis::choice;
 use chiaro_basis::math::Vec3;
-use half::f16;
 
 /// Larger ranges are built by two threads.
 const ALONE: usize = 8192;
 /// The first function of the basis, and a disc's first coefficient over its area.
 const AREA_OF_FIRST: f32 = 1.0 / (std::f32::consts::PI * 0.282_094_8);
-
-choice! {
-    /// How a leaf is stored (table 6.2).
-    pub enum Leaf {
-        /// The position in full.
-        #[default]
-        A = "a",
-        /// The position relative to its parent.
-        B = "b",
-    }
-}
-
-impl Leaf {
-    /// Bytes of a leaf: position, colour, normal, area.
-    pub fn bytes(self) -> [usize; 4] {
-        match self {
-            Self::A => [12, 6, 6, 2],
-            Self::B => [2, 6, 6, 2],
-        }
-    }
-
-    fn size(self) -> usize {
-        self.bytes().iter().sum()
-    }
-}
 
 /// Bytes of a tree by what they hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,14 +74,6 @@ pub struct Classic {
     scale: Scale,
     leaf_radius: f32,
     alive: usize,
-}
-
-/// Units of what is stored in half floats.
-#[derive(Clone, Copy, Debug, Default)]
-struct Scale {
-    radius: f32,
-    area: f32,
-    light: f32,
 }
 
 /// Lobes of inner nodes.
@@ -166,16 +133,6 @@ impl Classic {
     fn empty(records: &[Record], leaf: Leaf, stored: Stored) -> Self {
         let (count, inner) = (records.len(), records.len().saturating_sub(1));
         let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();
-        let low = records.iter().fold(Vec3::INFINITY, |m, r| m.min(r.position));
-        let high = records.iter().fold(Vec3::NEG_INFINITY, |m, r| m.max(r.position));
-        let brightest =
-            records.iter().flat_map(|r| r.radiance[0]).fold(f32::MIN_POSITIVE, f32::max);
-        let positive = |x: f32| if x > 0.0 { x } else { 1.0 };
-        let scale = Scale {
-            radius: if count > 0 { positive(high.distance(low)) } else { 1.0 },
-            area: positive((area / count.max(1) as f64) as f32),
-            light: brightest / 1024.0,
-        };
         Self {
             leaf,
             leaves: vec![0; count * leaf.size()],
@@ -183,7 +140,7 @@ impl Classic {
             radii: vec![0; inner],
             stored,
             count,
-            scale,
+            scale: Scale::of(records),
             leaf_radius: leaf_radius(area, count),
             alive: 0,
         }
@@ -203,7 +160,7 @@ impl Classic {
             [] => {}
             [one] => {
                 self.positions[0] = one.position;
-                maker.write_leaf(one, (one.position, 0.0), &mut self.leaves);
+                self.leaf.write(one, (one.position, 0.0), &self.scale, &mut self.leaves);
             }
             _ => {
                 let room = Room {
@@ -267,7 +224,7 @@ impl Classic {
             let colour = (0..3).map(|c| (own.radiance[0][c] - truth.radiance[0][c]).powi(2));
             let errors = [
                 (own.position.distance(truth.position) / radius).powi(2),
-                colour.sum::<f32>() / (1024.0 * self.scale.light).powi(2),
+                colour.sum::<f32>() / self.scale.brightest().powi(2),
                 own.normal.distance_squared(truth.normal),
                 (own.area / truth.area - 1.0).powi(2),
             ];
@@ -315,29 +272,9 @@ impl Classic {
     }
 
     /// The surfel of a leaf whose parent is a sphere.
-    fn record(&self, index: usize, (centre, radius): (Vec3, f32)) -> Record {
+    fn record(&self, index: usize, parent: (Vec3, f32)) -> Record {
         let size = self.leaf.size();
-        let bytes = &self.leaves[index * size..(index + 1) * size];
-        let word = |i: usize| u16::from_le_bytes([bytes[i], bytes[i + 1]]);
-        let half = |i: usize| f16::from_bits(word(i)).to_f32();
-        let (position, at) = match self.leaf {
-            Leaf::A => {
-                let float = |i: usize| f32::from_le_bytes(std::array::from_fn(|k| bytes[i + k]));
-                (Vec3::new(float(0), float(4), float(8)), 12)
-            }
-            Leaf::B => {
-                let place = [0, 5, 10].map(|shift| from_grid(u32::from(word(0)) >> shift & 31, 5));
-                (centre + Vec3::from(place) * radius, 2)
-            }
-        };
-        Record {
-            position,
-            radiance: [[0, 2, 4].map(|i| half(at + i) * self.scale.light), [0.0; 3]],
-            normal: Vec3::new(half(at + 6), half(at + 8), half(at + 10)),
-            area: half(at + 12) * self.scale.area,
-            alive: [true, false],
-            albedo: [0.0; 3],
-        }
+        self.leaf.read(&self.leaves[index * size..(index + 1) * size], parent, &self.scale)
     }
 }
 
@@ -407,10 +344,11 @@ impl Maker<'_> {
         room.radii[0] = radius;
         let sphere = (done.position, done.radius);
         if left == 1 {
-            self.write_leaf(&self.records[range.start], sphere, room.leaves);
+            self.leaf.write(&self.records[range.start], sphere, &self.scale, room.leaves);
         }
         if range.len() - left == 1 {
-            self.write_leaf(&self.records[middle], sphere, &mut room.leaves[left * size..]);
+            let rest = &mut room.leaves[left * size..];
+            self.leaf.write(&self.records[middle], sphere, &self.scale, rest);
         }
         self.store(node, &done, &mut room, pen);
         done
@@ -451,26 +389,6 @@ impl Maker<'_> {
         let lobes = Lobes { sums: &done.lobes, area, axis: Vec3::ZERO };
         book.encode(&lobes, &mut code, pen);
         rows.write(node, book.recipe.numbers(&code));
-    }
-
-    fn write_leaf(&self, record: &Record, (centre, radius): (Vec3, f32), bytes: &mut [u8]) {
-        let half = |v: f32| f16::from_f32(v.clamp(-65_504.0, 65_504.0)).to_le_bytes();
-        let mut leaf = Vec::with_capacity(26);
-        match self.leaf {
-            Leaf::A => {
-                record.position.to_array().iter().for_each(|v| leaf.extend(v.to_le_bytes()));
-            }
-            Leaf::B => {
-                let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
-                let place = ((record.position - centre) * scale).to_array().map(|c| grid(c, 5));
-                let code = place[0] | place[1] << 5 | place[2] << 10;
-                leaf.extend((code as u16).to_le_bytes());
-            }
-        }
-        record.radiance[0].iter().for_each(|v| leaf.extend(half(v / self.scale.light)));
-        record.normal.to_array().iter().for_each(|v| leaf.extend(half(*v)));
-        leaf.extend(half(record.area / self.scale.area));
-        bytes[..leaf.len()].copy_from_slice(&leaf);
     }
 }
 

@@ -17,8 +17,8 @@
 use crate::bits::{float16, from_float16};
 use crate::harmonic::{self, Sh};
 use crate::payload::{Exact, Sent};
-pub use crate::recipe::{Gains, Recipe, Words};
 use crate::recipe::word_bytes;
+pub use crate::recipe::{Gains, Recipe, Words};
 use chiaro_basis::math::{Mat3, Vec3};
 use chiaro_basis::random::hash;
 use chiaro_basis::{Result, Run};

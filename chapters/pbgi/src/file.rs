@@ -81,9 +81,12 @@ pub fn read_book(bytes: &[u8], name: &str) -> Result<Book> {
     let altered = || wrong("was cut off, altered or damaged; delete it, and a new book is made");
     let (version, rest) = rest.split_at_checked(4).ok_or_else(altered)?;
     if version != VERSION.to_le_bytes() {
-        return Err(wrong("was made by another version of chiaro; delete it, and a new one is made"));
+        return Err(wrong(
+            "was made by another version of chiaro; delete it, and a new one is made",
+        ));
     }
-    let (numbers, sum) = rest.split_at_checked(rest.len().saturating_sub(SUM)).ok_or_else(altered)?;
+    let (numbers, sum) =
+        rest.split_at_checked(rest.len().saturating_sub(SUM)).ok_or_else(altered)?;
     if checksum(&bytes[..bytes.len() - sum.len()]).to_le_bytes() != sum {
         return Err(altered());
     }
@@ -219,8 +222,7 @@ impl<'a> Reader<'a> {
         let (light, light_words) = self.tables(gains.dim())?;
         let (area, area_words) = self.tables(9)?;
         let words = Words::Clustered;
-        let recipe =
-            Recipe { by_area, turned, gains, light: light_words, area: area_words, words };
+        let recipe = Recipe { by_area, turned, gains, light: light_words, area: area_words, words };
         Some(Book { recipe, top, light, area })
     }
 

@@ -45,6 +45,7 @@ pub mod harmonic;
 pub mod hierarchy;
 mod indirect;
 mod knob;
+mod leaf;
 pub mod near;
 pub mod packed;
 pub mod payload;

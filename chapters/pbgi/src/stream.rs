@@ -68,7 +68,8 @@ pub fn lessons(records: &[Record], most: usize) -> Vec<Lesson> {
         let step = lessons.len().div_ceil(most).max(1);
         all.extend(lessons.into_iter().step_by(step));
     };
-    let lesson = |node: &Node, sums: &Exact| Lesson { area: node.area, axis: node.axis, sums: *sums };
+    let lesson =
+        |node: &Node, sums: &Exact| Lesson { area: node.area, axis: node.axis, sums: *sums };
     for size in [1, 2, 4, 8] {
         let step = (records.len() / size).div_ceil(most).max(1);
         let group = |group: &[Record]| {
@@ -105,8 +106,11 @@ impl Lesson {
 pub fn coded_in_memory(records: &[Record], book: &Book) -> Result<Packed<Compact>> {
     let low = records.iter().fold(Vec3::INFINITY, |m, r| m.min(r.position));
     let high = records.iter().fold(Vec3::NEG_INFINITY, |m, r| m.max(r.position));
-    let cube =
-        if records.is_empty() { Cube::around(Vec3::ZERO, Vec3::ONE) } else { Cube::around(low, high) };
+    let cube = if records.is_empty() {
+        Cube::around(Vec3::ZERO, Vec3::ONE)
+    } else {
+        Cube::around(low, high)
+    };
     let sum = |r: &Record| r.radiance[0].iter().sum::<f32>();
     let brightest = records.iter().map(sum).fold(0.0, f32::max);
     let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();

@@ -273,7 +273,12 @@ mod tests {
             let found = k_means(&points, 1, how, &Run::default()).unwrap();
             assert!(found.centres.len() >= 5 && found.error == 0.0, "{found:?}");
         }
-        let none = k_means(&[], 3, KMeans { count: 4, rounds: 5, seed: 1, start: Start::Spread }, &Run::default());
+        let none = k_means(
+            &[],
+            3,
+            KMeans { count: 4, rounds: 5, seed: 1, start: Start::Spread },
+            &Run::default(),
+        );
         assert!(none.unwrap().centres.is_empty());
     }
 

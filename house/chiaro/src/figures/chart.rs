@@ -76,7 +76,8 @@ impl Axis {
             Scale::Linear => {
                 let rough = (high - low) / 6.0;
                 let unit = 10f64.powf(rough.log10().floor());
-                let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * unit).into_iter().find(|s| *s >= rough);
+                let step =
+                    [1.0, 2.0, 5.0, 10.0].map(|s| s * unit).into_iter().find(|s| *s >= rough);
                 let step = step.unwrap_or(10.0 * unit);
                 let first = (low / step).ceil() as i64;
                 (first..).map(|i| i as f64 * step).take_while(|v| *v <= high + 1e-9).collect()
@@ -103,7 +104,8 @@ fn short(value: f64) -> String {
 impl Chart {
     /// The chart as a picture.
     pub(super) fn draw(&self, (width, height): (usize, usize)) -> Plane<[u8; 3]> {
-        let values = |i: usize| self.series.iter().flat_map(move |s| s.points.iter().map(move |p| p[i]));
+        let values =
+            |i: usize| self.series.iter().flat_map(move |s| s.points.iter().map(move |p| p[i]));
         let (xs, ys) = (self.x.range(values(0)), self.y.range(values(1)));
         let [left, right, above, below] = ROOM;
         let (w, h) = (width as f32 - left - right, height as f32 - above - below);
@@ -115,9 +117,12 @@ impl Chart {
         let line = |points: Vec<[f32; 2]>| Polyline { points, closed: false };
         let mut canvas = Canvas::new((width, height));
         let (x_ticks, y_ticks) = (self.x.ticks(xs), self.y.ticks(ys));
-        let upright = |v: &f64| line(vec![place(self.x.put(*v), ys[0]), place(self.x.put(*v), ys[1])]);
-        let level = |v: &f64| line(vec![place(xs[0], self.y.put(*v)), place(xs[1], self.y.put(*v))]);
-        let grid: Vec<Polyline> = x_ticks.iter().map(upright).chain(y_ticks.iter().map(level)).collect();
+        let upright =
+            |v: &f64| line(vec![place(self.x.put(*v), ys[0]), place(self.x.put(*v), ys[1])]);
+        let level =
+            |v: &f64| line(vec![place(xs[0], self.y.put(*v)), place(xs[1], self.y.put(*v))]);
+        let grid: Vec<Polyline> =
+            x_ticks.iter().map(upright).chain(y_ticks.iter().map(level)).collect();
         canvas.lines(&grid, 0.6, GREY);
         let axes = [line(vec![place(xs[0], ys[1]), place(xs[0], ys[0]), place(xs[1], ys[0])])];
         canvas.lines(&axes, 1.4, BLACK);
@@ -208,7 +213,8 @@ mod tests {
             joined: true,
         };
         let axis = |name| Axis { name, scale: Scale::Log };
-        let picture = Chart { x: axis("k"), y: axis("error"), series: vec![series] }.draw((500, 300));
+        let picture =
+            Chart { x: axis("k"), y: axis("error"), series: vec![series] }.draw((500, 300));
         let red = |p: &[u8; 3]| p[0] > 150 && p[1] < 90;
         assert!(picture.pixels().iter().filter(|p| red(p)).count() > 300);
         let cells = |t: &str| vec![t.to_owned(), "12".to_owned()];

@@ -95,13 +95,34 @@ fn memory(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>>
             let exact = Classic::exact(&records, Leaf::A).counted();
             let (full, light) = (mb(exact.of_thesis()), mb(exact.light));
             let mut rows = vec![
-                row(&["words", "bits", "lobes of light", "leaf A", "leaf B", "everything, B", "thesis: lobes", "A", "B"]),
-                row(&["none", "864", &format!("{light:.2}"), &format!("{full:.2}"), "", &format!("{:.2}", mb(exact.all())), "1080", "1460", ""]),
+                row(&[
+                    "words",
+                    "bits",
+                    "lobes of light",
+                    "leaf A",
+                    "leaf B",
+                    "everything, B",
+                    "thesis: lobes",
+                    "A",
+                    "B",
+                ]),
+                row(&[
+                    "none",
+                    "864",
+                    &format!("{light:.2}"),
+                    &format!("{full:.2}"),
+                    "",
+                    &format!("{:.2}", mb(exact.all())),
+                    "1080",
+                    "1460",
+                    "",
+                ]),
             ];
             for (words, thesis) in THESIS {
                 let recipe = Recipe::thesis(words);
                 let book = lessons::train(&taught, &recipe, run)?;
-                let [a, b] = [Leaf::A, Leaf::B].map(|l| Classic::coded(&records, l, &book).counted());
+                let [a, b] =
+                    [Leaf::A, Leaf::B].map(|l| Classic::coded(&records, l, &book).counted());
                 let over = |own: f64, all: f64| format!("{own:.2} / {:.2}x", all / own);
                 let (own, in_a, in_b) = (mb(a.light), mb(a.of_thesis()), mb(b.of_thesis()));
                 let [t, ta, tb] = thesis;
@@ -122,7 +143,10 @@ fn memory(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>>
                     "table_bytes": b.tables, "thesis_mb": thesis,
                 }));
             }
-            sheet.add(table(&rows), format!("{}: {} leaves, scaled to 10M", name_of(scene), records.len()));
+            sheet.add(
+                table(&rows),
+                format!("{}: {} leaves, scaled to 10M", name_of(scene), records.len()),
+            );
             Ok(())
         })?;
     }
@@ -135,8 +159,17 @@ fn leaves(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>>
         still(scene, SIZE, &lessons::knobs(), run, |at| {
             let records = leaves_of(at, run)?;
             let mut rows = vec![row(&[
-                "leaf", "position", "colour", "normal", "area", "sum", "thesis's sum", "position error",
-                "colour", "normal", "area",
+                "leaf",
+                "position",
+                "colour",
+                "normal",
+                "area",
+                "sum",
+                "thesis's sum",
+                "position error",
+                "colour",
+                "normal",
+                "area",
             ])];
             for (name, leaf, thesis) in [("A", Leaf::A, 26), ("B", Leaf::B, 16)] {
                 let tree = Classic::exact(&records, leaf);
@@ -147,7 +180,9 @@ fn leaves(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>>
                 cells.extend([bytes.iter().sum::<usize>().to_string(), thesis.to_string()]);
                 cells.extend(errors.map(|e| format!("{e:.1e}")));
                 rows.push(cells);
-                values.push(json!({ "scene": scene, "leaf": name, "bytes": bytes, "errors": errors }));
+                values.push(
+                    json!({ "scene": scene, "leaf": name, "bytes": bytes, "errors": errors }),
+                );
             }
             sheet.add(table(&rows), name_of(scene));
             Ok(())
@@ -211,7 +246,14 @@ fn timed(
     let light = million * light;
     let mut values = vec![json!({ "way": "light", "seconds": light })];
     let mut rows = vec![row(&[
-        "words", "learning", "tree", "with light", "more", "thesis: learning", "tree with light", "more",
+        "words",
+        "learning",
+        "tree",
+        "with light",
+        "more",
+        "thesis: learning",
+        "tree with light",
+        "more",
     ])];
     let plain = million * least(|| Classic::exact(records, Leaf::A));
     let line = |name: &str, learned: f64, own: f64, plain: f64| {
@@ -309,7 +351,8 @@ fn curve(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> 
                 points,
                 joined: true,
             };
-            let series = vec![one("lobes in floats", 1, floats), one("quantized on the fly", 0, fly)];
+            let series =
+                vec![one("lobes in floats", 1, floats), one("quantized on the fly", 0, fly)];
             let x = Axis { name: "seconds", scale: Scale::Linear };
             let y = Axis { name: "resident megabytes", scale: Scale::Linear };
             sheet.add(Chart { x, y, series }.draw((760, 420)), text);

@@ -1,7 +1,6 @@
 //! Figures 6.1 and 6.5 to 6.10: the thesis's quantization on our scenes, as pictures and curves.
 
 use super::chart::{Axis, COLOURS, Chart, Scale, Series};
-use super::chapter4::Colour;
 use super::lessons::{self, DENSE, SIZE, SPARSE};
 use super::measured;
 use crate::light::{AnyTree, Still, nearness, still};
@@ -182,19 +181,20 @@ fn errors(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>>
             let dense = at.points(DENSE, run)?;
             let nodes = lessons::nodes(&Classic::exact(&at.records(&dense), Leaf::A));
             let taught = lessons::of(at, SPARSE, run)?;
-            let by_area = |k| Recipe { words: Words::FromRandom, ..Recipe::clusters(k) };
-            let ways: [(&str, Colour, &dyn Fn(usize) -> Recipe); 3] = [
-                ("random words", COLOURS[1], &|k| words(k, Words::Drawn)),
-                ("k-means, raw sums", COLOURS[0], &|k| words(k, Words::FromRandom)),
-                ("k-means, over area", COLOURS[2], &by_area),
-            ];
-            for (name, colour, recipe) in ways {
+            let by_area = Recipe { words: Words::FromRandom, ..Recipe::clusters(1) };
+            for (name, colour, way) in [
+                ("random words", COLOURS[1], words(1, Words::Drawn)),
+                ("k-means, raw sums", COLOURS[0], words(1, Words::FromRandom)),
+                ("k-means, over area", COLOURS[2], by_area),
+            ] {
                 let mut points = Vec::new();
                 for k in [16, 64, 256, 1024, 4096, 16_384, 65_536] {
-                    if k > 2 * taught.len() {
+                    // A table cannot have more words than there are nodes to learn from.
+                    if k > taught.len() {
                         continue;
                     }
-                    let book = lessons::train(&taught, &recipe(k), run)?;
+                    let recipe = Recipe { light: vec![k], area: Vec::new(), ..way.clone() };
+                    let book = lessons::train(&taught, &recipe, run)?;
                     let error = lessons::mean_error(&nodes, &book);
                     points.push([k as f64, error]);
                     rows.push(json!({ "scene": scene, "words": k, "way": name, "error": error }));

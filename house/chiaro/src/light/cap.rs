@@ -193,7 +193,7 @@ mod tests {
     fn pages_are_given_back_and_read_again() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a");
-        let bytes: Vec<u8> = (0..1 << 20).map(|i| (i * 31 >> 3) as u8).collect();
+        let bytes: Vec<u8> = (0..1 << 20).map(|i| ((i * 31) >> 3) as u8).collect();
         std::fs::write(&path, &bytes).unwrap();
         // The whole process is far larger than this cap: pages go all the time.
         let cap = Cap::new(1 << 20);

@@ -260,9 +260,11 @@ impl Job<'_> {
         s.insert("backdrop".into(), json!(self.backdrop));
         let baked = shot.files.baked.as_ref().map(|b| crate::write::sha256(b.origin.as_bytes()));
         s.insert("baked_from".into(), json!(baked));
-        let book = shot.files.book.as_ref().map(|b| {
-            crate::write::sha256(&chiaro_pbgi::file::book_bytes(&b.book))
-        });
+        let book = shot
+            .files
+            .book
+            .as_ref()
+            .map(|b| crate::write::sha256(&chiaro_pbgi::file::book_bytes(&b.book)));
         s.insert("book_sha256".into(), json!(book));
         s.insert("exposure_factor".into(), json!(shot.exposure));
         s.extend(knob_settings(self.knobs));

@@ -10,8 +10,8 @@ use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::{Lit, Surfels};
 use chiaro_pbgi::{Hierarchy, LightKnobs, Prepared, Spread, indirect, prepare, sites, stream};
 use chiaro_scene::Frame;
-use std::time::Instant;
 use chiaro_trace::{Direct, GBuffer, direct_irradiance};
+use std::time::Instant;
 
 /// A tree of any kind.
 pub(crate) type AnyTree = Box<dyn Hierarchy>;
