@@ -8,7 +8,7 @@
 use chiaro_basis::Run;
 use chiaro_binary::{
     BinaryKnobs, Channel, Channels, Features, Graph, Lit, View, compose, expose, mixed_tone,
-    neighbour_factors, outline, shade, terminal, without_islands,
+    neighbour_factors, outline, shade, terminal,
 };
 use chiaro_image::filter;
 use chiaro_scene::demo;
@@ -54,7 +54,7 @@ fn report(view: &View) {
     let integers = time("capacities", || Graph::new(covered, &difference, &factors, &knobs));
     println!("{:<36} {:7.1} ns", "weights in all", all + geometry + integers);
     time("cut", || graph.solve());
-    time("islands", || without_islands(&labels.white, covered, 30.0));
+    time("islands", || graph.without_islands(&labels.white, 30.0));
     time("lines", || {
         let features = Features::find(&view.buffer, &knobs);
         outline(&features, &steps.white, covered, true, &knobs)

@@ -1,6 +1,7 @@
 //! From weights to labels: fixed-point capacities, the minimal cut, and its measures.
 
 use crate::knob::{BinaryKnobs, REFERENCE_HEIGHT};
+use crate::mend::Costs;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
 use chiaro_mincut::Grid;
@@ -71,6 +72,13 @@ impl Graph {
     /// The energy of any labelling.
     pub fn energy(&self, white: &Plane<bool>) -> i64 {
         chiaro_mincut::energy(&self.grid(), white.pixels())
+    }
+
+    /// Labels without pieces of fewer than `area` pixels that touch another label, at little cost:
+    /// a small piece grows, or takes the colour around it.
+    pub fn without_islands(&self, white: &Plane<bool>, area: f32) -> Plane<bool> {
+        let Self { mask, terminal, neighbour, .. } = self;
+        Costs { mask, terminal, neighbour }.without_islands(white, area)
     }
 
     fn grid(&self) -> Grid<'_> {

@@ -8,9 +8,10 @@
 //!    it is labelled by the cut of the window centred on it, and so depends on those frames alone.
 //! 2. Within a block each frame is labelled by the cut of the window that begins with it, the frame
 //!    before being settled. Where the window reaches the next key, that is settled too.
-//! 3. What was cut is settled: pieces under the smallest island, and new pieces that would be gone
-//!    within the window, take the colour around them. The next window starts from that, so that
-//!    what was removed does not come back by itself.
+//! 3. What was cut is settled: pieces under the smallest island grow or take the colour around them,
+//!    whichever costs less in space and time, and new pieces that would be gone within the window go
+//!    at once. The next window starts from that, so that what was removed does not come back by
+//!    itself, nor what has grown shrink.
 //!
 //! A palette of tones is a film for every step between two of them: a frame has a layer each, its
 //! cuts nested, and shares links and bonds. What is painted keeps its label.
@@ -22,7 +23,8 @@
 use crate::cut::{Graph, Labels};
 use crate::island::without_islands;
 use crate::knob::BinaryKnobs;
-use crate::window::{Known, cut_window};
+use crate::mend::Costs;
+use crate::window::{Known, cut_window, link_capacity};
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_image::labels::{UNCOVERED, components};
@@ -88,6 +90,11 @@ impl Cel {
     /// A layer's own cut.
     pub(crate) fn own(&self, layer: usize) -> &Plane<bool> {
         self.steps.get(layer).map_or(&self.alone.white, |step| &step.alone)
+    }
+
+    /// What labels cost with these terminals.
+    fn costs<'c>(&'c self, terminal: &'c Plane<[i32; 2]>) -> Costs<'c> {
+        Costs { mask: &self.graph.mask, terminal, neighbour: &self.graph.neighbour }
     }
 
     /// Labels with what is painted as it is painted.
@@ -204,9 +211,12 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         for layer in 0..self.cel(key).as_ref().layers() {
             let labels = self.cut(around.clone(), layer, &Known::default(), run)?;
             let cel = self.cel(key).as_ref();
-            let mask = &cel.graph.mask;
-            let area = self.knobs.island_area(mask.height());
-            settled.push(cel.kept(without_islands(&labels[key - around.start], mask, area)));
+            let at = key - around.start;
+            let before = at.checked_sub(1).map(|i| &labels[i]);
+            let after = labels.get(at + 1).map(|after| (self.cel(key + 1).as_ref(), after));
+            let area = self.knobs.island_area(cel.graph.mask.height());
+            let held = held(cel, layer, before, after, self.knobs);
+            settled.push(cel.kept(cel.costs(&held).without_islands(&labels[at], area)));
         }
         self.keys.insert(key, settled.clone());
         Ok(settled)
@@ -224,8 +234,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         let known = Known { before: Some(before), after };
         let labels = self.cut(window.clone(), layer, &known, run)?;
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
-        let area = self.knobs.island_area(labels[0].height());
-        Ok(cels[0].kept(settled(&labels, &cels, before, area)))
+        Ok(cels[0].kept(settled((&labels, layer), &cels, before, self.knobs)))
     }
 
     fn cut(
@@ -265,9 +274,17 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
 /// The labels of the first frame of a window without specks, neither those of a small area nor
 /// those of a short life: a piece that is new and of which less than half is left at the window's
 /// end, or at any frame on the way, is taken away at once.
-fn settled(labels: &[Plane<bool>], cels: &[&Cel], before: &Plane<bool>, area: f32) -> Plane<bool> {
+fn settled(
+    (labels, layer): (&[Plane<bool>], usize),
+    cels: &[&Cel],
+    before: &Plane<bool>,
+    knobs: &BinaryKnobs,
+) -> Plane<bool> {
     let mask = &cels[0].graph.mask;
-    let clean = without_islands(&labels[0], mask, area);
+    let area = knobs.island_area(mask.height());
+    let after = cels.get(1).map(|after| (*after, &labels[1]));
+    let held = held(cels[0], layer, Some(before), after, knobs);
+    let clean = cels[0].costs(&held).without_islands(&labels[0], area);
     if area <= 0.0 {
         return clean;
     }
@@ -299,6 +316,33 @@ fn settled(labels: &[Plane<bool>], cels: &[&Cel], before: &Plane<bool>, area: f3
         .ids
         .zip(&clean, |id, w| if *id == UNCOVERED { *w } else { *w != flips(*id as usize) });
     without_islands(&out.expect("pieces have the picture's size"), mask, area)
+}
+
+/// The terminals of a frame with the pull of its links to the labels before and after it.
+fn held(
+    cel: &Cel,
+    layer: usize,
+    before: Option<&Plane<bool>>,
+    after: Option<(&Cel, &Plane<bool>)>,
+    knobs: &BinaryKnobs,
+) -> Plane<[i32; 2]> {
+    let link = link_capacity(cel, knobs);
+    let mut terminal = cel.terminal(layer).clone();
+    if let Some(before) = before {
+        for (terminal, to) in terminal.pixels_mut().iter_mut().zip(cel.links.pixels()) {
+            if *to != UNLINKED {
+                terminal[usize::from(!before.pixels()[*to as usize])] += link;
+            }
+        }
+    }
+    if let Some((after, labels)) = after {
+        for (to, white) in after.links.pixels().iter().zip(labels.pixels()) {
+            if *to != UNLINKED {
+                terminal.pixels_mut()[*to as usize][usize::from(!white)] += link;
+            }
+        }
+    }
+    terminal
 }
 
 /// For each piece whether most of its pixels that were seen before had the other label.

@@ -23,6 +23,7 @@ mod halo;
 mod island;
 mod knob;
 mod line;
+mod mend;
 mod paint;
 mod palette;
 mod plateau;

@@ -4,7 +4,6 @@ use crate::appearance::Channels;
 use crate::cut::{Border, FeaturePairs, Graph, Labels};
 use crate::exposure::{Exposure, MOST_STEPS, Sample, mixed_tone, strip};
 use crate::geometry::neighbour_factors;
-use crate::island::without_islands;
 use crate::knob::{BinaryKnobs, Model, scaled};
 use crate::line::{Features, Lines};
 use crate::paint::Paint;
@@ -141,7 +140,7 @@ impl Prepared {
         let labels = run.stage("cut", pixels, || graph.solve())?;
         run.check()?;
         let area = knobs.island_area(graph.mask.height());
-        let mut white = without_islands(&labels.white, &graph.mask, area);
+        let mut white = graph.without_islands(&labels.white, area);
         if let Some(paint) = paint {
             white = paint.kept(&white, &graph.mask);
         }

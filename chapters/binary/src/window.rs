@@ -5,7 +5,9 @@
 //!    the rest. In films that is a small part, around borders that move and regions that flip.
 //! 2. What stands, in the window or known around it, becomes terminal weight: a bond to a white
 //!    pixel pulls to white by its capacity.
-//! 3. The rest is cut exactly.
+//! 3. The rest is cut exactly, from the start: to begin with the flow of the window before saves a
+//!    tenth of a cut where shapes move within the picture and costs as much where all of it moves,
+//!    since most of the time goes into taking the capacities up.
 //!
 //! Guaranteed: an energy no higher than that of the frames' own cuts, and deterministic labels. Not
 //! guaranteed: the least energy of the whole window, where it would take a change farther than
@@ -46,6 +48,12 @@ pub(crate) fn cut_window(
         .collect())
 }
 
+/// The capacity of a link. Links add up over areas, as terminals do: they do not grow with the
+/// picture.
+pub(crate) fn link_capacity(cel: &Cel, knobs: &BinaryKnobs) -> i32 {
+    (knobs.coherence * knobs.neighbour * cel.graph.scale).round() as i32
+}
+
 /// Frames one after the other, flat.
 struct Volume<'a> {
     cels: &'a [&'a Cel],
@@ -63,12 +71,10 @@ struct Volume<'a> {
 
 impl<'a> Volume<'a> {
     fn new((cels, layer): (&'a [&'a Cel], usize), known: &Known, knobs: &BinaryKnobs) -> Self {
-        // Links add up over areas, as terminals do: they do not grow with the picture.
-        let link = (knobs.coherence * knobs.neighbour * cels[0].graph.scale).round() as i32;
         let mut volume = Self {
             cels,
             frame: cels[0].graph.mask.len(),
-            link,
+            link: link_capacity(cels[0], knobs),
             alone: cels.iter().flat_map(|c| c.own(layer).pixels()).copied().collect(),
             free: Vec::new(),
             terminal: cels.iter().flat_map(|c| c.terminal(layer).pixels()).copied().collect(),

@@ -105,7 +105,10 @@ impl Solver {
                 let capacity = lattice.capacity(pixel, link);
                 if capacity != [0; 2] && lattice.end(pixel, link).is_some() {
                     self.change_link(pixel, link, capacity);
-                    self.engine.send(pixel, link, flow(pixel, link));
+                    match flow(pixel, link) {
+                        0 => {}
+                        flow => self.engine.send(pixel, link, flow),
+                    }
                 }
             }
         }

@@ -16,7 +16,7 @@ use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
     BinaryKnobs, Border, Cel, FeaturePairs, Features, Film, Flicker, Graph, Lines, Palette, Plan,
-    Shown, Weights, compose, outline, scaled, step_terminals, toned, weigh, without_islands,
+    Shown, Weights, compose, outline, scaled, step_terminals, toned, weigh,
 };
 use chiaro_image::{Plane, filter};
 use chiaro_scene::{Frame, Poser};
@@ -137,8 +137,8 @@ pub(crate) fn shoot(
             let white = match labelling {
                 Labelling::Blurred => blurred(&take.cel.graph),
                 _ => {
-                    let mask = &take.cel.graph.mask;
-                    without_islands(&take.cel.alone.white, mask, knobs.island_area(mask.height()))
+                    let Cel { graph, alone, .. } = &take.cel;
+                    graph.without_islands(&alone.white, knobs.island_area(graph.mask.height()))
                 }
             };
             let white = [white];

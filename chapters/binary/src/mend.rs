@@ -1,0 +1,263 @@
+//! The smallest island at little cost: a speck that the weights hold dear grows to the smallest area,
+//! or to the next piece of its label, where that costs less than taking it away.
+//!
+//! 1. Pieces under the smallest area are looked at from the largest to the smallest. Each grows
+//!    pixel by pixel, the cheapest first, until its area suffices, if that costs less than to recolour
+//!    the piece. (Ways to the next large piece of the label were tried as well: they hardly ever pay.)
+//! 2. What is still small takes the colour around it ([`without_islands`]).
+//!
+//! Guaranteed: no piece of less than the smallest area is left that touches another label. Not
+//! guaranteed: the least energy of all labellings without small pieces.
+
+use crate::geometry::EDGES;
+use crate::island::without_islands;
+use chiaro_image::Plane;
+use chiaro_image::labels::{Components, Piece, UNCOVERED, components};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// What labels cost, in units of capacity.
+#[derive(Clone, Copy)]
+pub(crate) struct Costs<'a> {
+    /// Which pixels are nodes.
+    pub(crate) mask: &'a Plane<bool>,
+    /// Paid when black, paid when white.
+    pub(crate) terminal: &'a Plane<[i32; 2]>,
+    /// Bonds to E, SE, S, SW.
+    pub(crate) neighbour: &'a Plane<[i32; 4]>,
+}
+
+impl Costs<'_> {
+    /// `white` without pieces of fewer than `area` pixels.
+    pub(crate) fn without_islands(&self, white: &Plane<bool>, area: f32) -> Plane<bool> {
+        if area <= 1.0 {
+            return white.clone();
+        }
+        let mut growing = Growing::new(*self, white, area);
+        growing.grow_all();
+        without_islands(&growing.white, self.mask, area)
+    }
+
+    /// What a pixel's other label costs more than its own, but for bonds.
+    fn preference(&self, p: (usize, usize), is_white: bool) -> i64 {
+        let [black, white] = self.terminal[p].map(i64::from);
+        if is_white { black - white } else { white - black }
+    }
+
+    /// The nodes beside a pixel, with their bonds.
+    fn around(&self, (x, y): (usize, usize)) -> impl Iterator<Item = ((usize, usize), i64)> + '_ {
+        let ends = EDGES.into_iter().enumerate().flat_map(move |(e, (dx, dy))| {
+            let ahead = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
+            let behind = (x.wrapping_add_signed(-dx), y.wrapping_add_signed(-dy));
+            [(ahead, (x, y), e), (behind, behind, e)]
+        });
+        let (w, h) = self.mask.size();
+        ends.filter(move |(q, ..)| q.0 < w && q.1 < h && self.mask[*q])
+            .map(|(q, owner, e)| (q, i64::from(self.neighbour[owner][e])))
+    }
+
+    /// What it costs to change one pixel.
+    fn change(&self, white: &Plane<bool>, p: (usize, usize)) -> i64 {
+        let own = white[p];
+        let bonds = self.around(p).map(|(q, bond)| if white[q] == own { bond } else { -bond });
+        self.preference(p, own) + bonds.sum::<i64>()
+    }
+}
+
+/// How a piece could grow.
+struct Growth {
+    added: Vec<(usize, usize)>,
+    /// The pieces that become one, its own first.
+    joined: Vec<u32>,
+    area: usize,
+    cost: i64,
+}
+
+impl Growth {
+    fn new(piece: u32, area: usize) -> Self {
+        Self { added: Vec::new(), joined: vec![piece], area, cost: 0 }
+    }
+}
+
+/// Labels whose small pieces grow.
+struct Growing<'a> {
+    costs: Costs<'a>,
+    white: Plane<bool>,
+    least: f32,
+    ids: Plane<u32>,
+    pieces: Vec<Piece<bool>>,
+    /// The piece that each piece has become a part of, or itself.
+    part_of: Vec<u32>,
+}
+
+impl<'a> Growing<'a> {
+    fn new(costs: Costs<'a>, white: &Plane<bool>, least: f32) -> Self {
+        let Components { pieces, ids } = components(white, costs.mask);
+        let part_of = (0..pieces.len() as u32).collect();
+        Self { costs, white: white.clone(), least, ids, pieces, part_of }
+    }
+
+    fn grow_all(&mut self) {
+        let small = |id: &u32| {
+            let piece = &self.pieces[*id as usize];
+            piece.touches_other && (piece.area as f32) < self.least
+        };
+        let mut order: Vec<u32> = (0..self.pieces.len() as u32).filter(small).collect();
+        order.sort_by_key(|&id| (Reverse(self.pieces[id as usize].area), id));
+        for id in order {
+            let whole = self.whole(id) as usize;
+            if (self.pieces[whole].area as f32) < self.least {
+                self.grow(id);
+            }
+        }
+    }
+
+    /// The piece that a piece is now a part of.
+    fn whole(&self, mut id: u32) -> u32 {
+        while self.part_of[id as usize] != id {
+            id = self.part_of[id as usize];
+        }
+        id
+    }
+
+    /// The pixels that a piece began with, as far as they are still its own.
+    fn pixels(&self, id: u32) -> Vec<(usize, usize)> {
+        let Piece { first, last, .. } = self.pieces[id as usize];
+        let rows = (first.1..=last.1).flat_map(|y| (first.0..=last.0).map(move |x| (x, y)));
+        rows.filter(|p| self.ids[*p] == id).collect()
+    }
+
+    /// What it costs to give a piece the label around it.
+    fn removal(&self, pixels: &[(usize, usize)], label: bool) -> i64 {
+        let cost = |p: &(usize, usize)| {
+            let around = self.costs.around(*p).filter(|(q, _)| self.white[*q] != label);
+            self.costs.preference(*p, label) - around.map(|(_, bond)| bond).sum::<i64>()
+        };
+        pixels.iter().map(cost).sum()
+    }
+
+    /// Lets a piece grow if that is cheaper than its removal.
+    fn grow(&mut self, id: u32) {
+        let label = self.pieces[id as usize].label;
+        let pixels = self.pixels(id);
+        let removal = self.removal(&pixels, label);
+        if let Some(growth) = self.growth(&pixels, label, removal) {
+            growth.added.iter().for_each(|p| self.white[*p] = label);
+            self.take(&growth);
+        }
+    }
+
+    /// The piece with the cheapest pixels around it, one after the other, until it is large enough;
+    /// `None` where that costs more than `dearest`.
+    fn growth(&mut self, pixels: &[(usize, usize)], label: bool, dearest: i64) -> Option<Growth> {
+        let start = self.whole(self.ids[*pixels.first()?]);
+        let mut growth = Growth::new(start, self.pieces[start as usize].area);
+        let mut next = BinaryHeap::new();
+        let mut beside = pixels.to_vec();
+        while (growth.area as f32) < self.least {
+            for p in std::mem::take(&mut beside) {
+                for (q, _) in self.costs.around(p).filter(|(q, _)| self.white[*q] != label) {
+                    next.push(Reverse((self.costs.change(&self.white, q), q.1, q.0)));
+                }
+            }
+            let Some(Reverse((price, y, x))) = next.pop() else { break };
+            if self.white[(x, y)] == label || price != self.costs.change(&self.white, (x, y)) {
+                continue;
+            }
+            growth.cost += price;
+            if growth.cost > dearest {
+                break;
+            }
+            self.white[(x, y)] = label;
+            growth.added.push((x, y));
+            growth.area += 1;
+            beside.push((x, y));
+            self.join(&mut growth, (x, y), label);
+        }
+        growth.added.iter().for_each(|p| self.white[*p] = !label);
+        (growth.area as f32 >= self.least && growth.cost <= dearest).then_some(growth)
+    }
+
+    /// Counts in the pieces that a new pixel touches.
+    fn join(&self, growth: &mut Growth, p: (usize, usize), label: bool) {
+        for (q, _) in self.costs.around(p).filter(|(q, _)| self.white[*q] == label) {
+            let beside = self.whole(self.ids[q]);
+            if self.pieces[beside as usize].label == label && !growth.joined.contains(&beside) {
+                growth.joined.push(beside);
+                growth.area += self.pieces[beside as usize].area;
+            }
+        }
+    }
+
+    /// Makes pixels and pieces one piece.
+    fn take(&mut self, growth: &Growth) {
+        let whole = growth.joined[0];
+        for p in &growth.added {
+            let former = self.ids[*p];
+            debug_assert!(former != UNCOVERED, "only nodes are taken");
+            let former = self.whole(former) as usize;
+            self.pieces[former].area -= 1;
+            self.ids[*p] = whole;
+        }
+        growth.joined.iter().for_each(|id| self.part_of[*id as usize] = whole);
+        self.pieces[whole as usize].area = growth.area;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `.` is white, `,` white for little, `#` black; a digit is a black pixel that costs so much to
+    /// make white.
+    fn mended(rows: &[&str], bond: i32, area: f32) -> Vec<String> {
+        let (w, h) = (rows[0].len(), rows.len());
+        let at = |x: usize, y: usize| rows[y].as_bytes()[x];
+        let white = Plane::from_fn(w, h, |x, y| b".,".contains(&at(x, y)));
+        let mask = Plane::filled(w, h, true);
+        let terminal = Plane::from_fn(w, h, |x, y| match at(x, y) {
+            b'.' => [2, 0],
+            b',' => [1, 0],
+            b'#' => [0, 2],
+            digit => [0, i32::from(digit - b'0')],
+        });
+        let neighbour = Plane::filled(w, h, [bond, 0, bond, 0]);
+        let costs = Costs { mask: &mask, terminal: &terminal, neighbour: &neighbour };
+        let out = costs.without_islands(&white, area);
+        (0..h).map(|y| (0..w).map(|x| if out[(x, y)] { '.' } else { '#' }).collect()).collect()
+    }
+
+    #[test]
+    fn a_speck_that_is_held_dear_grows_and_another_goes() {
+        let rows = ["........", ".99.....", ".99...1.", "........"];
+        let out = mended(&rows, 0, 5.0);
+        let black = out.concat().matches('#').count();
+        assert_eq!(black, 5, "{out:?}");
+        assert_eq!(&out[1][1..3], "##");
+        assert_eq!(&out[2][6..7], ".");
+        // Four pixels cost 9 each to remove; five more cost 2 each, twenty cost too much.
+        assert_eq!(mended(&rows, 0, 9.0).concat().matches('#').count(), 9);
+        assert_eq!(mended(&rows, 0, 24.0).concat().matches('#').count(), 0);
+    }
+
+    #[test]
+    fn growth_ends_at_the_next_piece_of_its_label() {
+        let rows = ["......", ".9,###", "...###", "...###"];
+        let out = mended(&rows, 0, 8.0);
+        assert_eq!(out, ["......", ".#####", "...###", "...###"].map(String::from));
+    }
+
+    #[test]
+    fn nothing_small_is_left() {
+        let noise = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * y * 31) % 7 < 3;
+        let (w, h) = (40, 30);
+        let white = Plane::from_fn(w, h, noise);
+        let mask = Plane::from_fn(w, h, |x, y| (x + y) % 11 != 0);
+        let terminal = white.map(|w| if *w { [9, 0] } else { [0, 9] });
+        let neighbour = Plane::filled(w, h, [3, 2, 3, 2]);
+        let costs = Costs { mask: &mask, terminal: &terminal, neighbour: &neighbour };
+        let out = costs.without_islands(&white, 6.0);
+        let found = components(&out, &mask);
+        assert!(found.pieces.iter().all(|p| p.area >= 6 || !p.touches_other));
+    }
+}
