@@ -134,16 +134,17 @@ impl Takes {
         let start = Instant::now();
         let labels = self.labelled(&knobs);
         let seconds = start.elapsed().as_secs_f64();
-        for (i, ((cel, sight), white)) in self.0.iter().zip(&labels).enumerate() {
-            let own = cel.graph.without_islands(&cel.alone.white, area);
-            for (sum, white) in sums.iter_mut().zip([white, &own]) {
+        for (i, ((cel, sight), labels)) in self.0.iter().zip(&labels).enumerate() {
+            let (alone, cut) = cel.own(0);
+            let own = cel.without_islands(0, alone, area);
+            for (sum, labels) in sums.iter_mut().zip([labels, &own]) {
                 let shown = Shown {
-                    white,
+                    labels,
                     covered: &cel.graph.mask,
                     links: sight,
-                    alone: &cel.alone.white,
-                    tone: &cel.graph.terminal.map(|[white, black]| white > black),
-                    energy: [cel.graph.energy(white), cel.alone.cut],
+                    alone,
+                    tone: &cel.wanted(0),
+                    energy: [cel.energy(0, labels), cut],
                 };
                 sum.add(i, &shown);
             }
@@ -163,13 +164,13 @@ impl Takes {
         );
     }
 
-    fn labelled(&self, knobs: &BinaryKnobs) -> Vec<Plane<bool>> {
+    fn labelled(&self, knobs: &BinaryKnobs) -> Vec<Plane<u8>> {
         let plan = Plan { frames: self.0.len(), window: knobs.window as usize };
         let mut film: Film<'_, Shared> = Film::new(plan, knobs);
         let mut out = Vec::new();
         for start in (0..plan.frames).step_by(BLOCK) {
             let mut fetch = |i: usize| Ok(Shared(self.0[i].0.clone()));
-            let mut done = |_: usize, _: &Shared, labels: &[Plane<bool>]| {
+            let mut done = |_: usize, _: &Shared, labels: &[Plane<u8>]| {
                 out.push(labels[0].clone());
                 Ok(())
             };

@@ -77,8 +77,15 @@ impl Graph {
     /// Labels without pieces of fewer than `area` pixels that touch another label, at little cost:
     /// a small piece grows, or takes the colour around it.
     pub fn without_islands(&self, white: &Plane<bool>, area: f32) -> Plane<bool> {
-        let Self { mask, terminal, neighbour, .. } = self;
-        Costs { mask, terminal, neighbour }.without_islands(white, area)
+        let labels = white.map(|w| u8::from(*w));
+        self.costs(self.terminal.pixels().as_flattened(), 2)
+            .without_islands(&labels, area)
+            .map(|l| *l == 1)
+    }
+
+    /// What labels cost that have these prices, with the bonds of the graph.
+    pub(crate) fn costs<'a>(&'a self, prices: &'a [i32], count: usize) -> Costs<'a> {
+        Costs { mask: &self.mask, count, prices, neighbour: &self.neighbour }
     }
 
     fn grid(&self) -> Grid<'_> {

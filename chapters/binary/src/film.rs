@@ -13,18 +13,17 @@
 //!    at once. The next window starts from that, so that what was removed does not come back by
 //!    itself, nor what has grown shrink.
 //!
-//! A palette of tones is a film for every step between two of them: a frame has a layer each, its
-//! cuts nested, and shares links and bonds. What is painted keeps its label.
+//! Palettes have layers (see [`Cel`]): each is labelled as a film of its own. What is painted keeps its
+//! label.
 //!
 //! Guaranteed: a frame's labels depend on its block, its keys and their windows alone, so that any
 //! part of a film has the bytes of the whole. Not guaranteed: the least energy over the whole
 //! volume; the past is settled when the future is cut.
 
-use crate::cut::{Graph, Labels};
-use crate::island::without_islands;
+use crate::cel::Cel;
+use crate::island::{recoloured, without_islands};
 use crate::knob::BinaryKnobs;
-use crate::mend::Costs;
-use crate::window::{Known, cut_window, link_capacity};
+use crate::window::{Known, cut_window, link_capacity, pull};
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_image::labels::{UNCOVERED, components};
@@ -34,78 +33,6 @@ use std::ops::Range;
 
 /// Frames from one key to the next.
 pub const BLOCK: usize = 16;
-
-/// A frame of a film as its cut needs it.
-pub struct Cel {
-    /// The frame's own graph in two colours.
-    pub graph: Graph,
-    /// For each pixel the pixel of the frame before that shows the same material point, or
-    /// [`UNLINKED`].
-    pub links: Plane<u32>,
-    /// The minimal cut of the frame's own graph.
-    pub alone: Labels,
-    /// The steps between tones, from dark to light; none in two colours.
-    pub steps: Vec<Step>,
-    /// The labels that are painted, if any.
-    pub painted: Option<Plane<Option<bool>>>,
-}
-
-/// The step from one tone to the next, as a picture of two colours: white is the lighter one, or
-/// any that is lighter still.
-pub struct Step {
-    /// Capacities to white and to black.
-    pub terminal: Plane<[i32; 2]>,
-    /// The minimal cut with the bonds of the frame.
-    pub alone: Plane<bool>,
-}
-
-impl Cel {
-    /// A frame in two colours with its own cut.
-    pub fn new(graph: Graph, links: Plane<u32>) -> Result<Self> {
-        let alone = graph.solve()?;
-        Ok(Self { graph, links, alone, steps: Vec::new(), painted: None })
-    }
-
-    /// The same frame in tones, `terminals` from dark to light.
-    pub fn in_tones(mut self, terminals: Vec<Plane<[i32; 2]>>) -> Result<Self> {
-        let step = |terminal: Plane<[i32; 2]>| {
-            let graph = Graph { terminal, ..self.graph.clone() };
-            let alone = graph.solve()?.white;
-            Ok(Step { terminal: graph.terminal, alone })
-        };
-        self.steps = terminals.into_iter().map(step).collect::<Result<_>>()?;
-        Ok(self)
-    }
-
-    /// How many layers it has.
-    pub fn layers(&self) -> usize {
-        self.steps.len().max(1)
-    }
-
-    /// The terminals of a layer.
-    pub(crate) fn terminal(&self, layer: usize) -> &Plane<[i32; 2]> {
-        self.steps.get(layer).map_or(&self.graph.terminal, |step| &step.terminal)
-    }
-
-    /// A layer's own cut.
-    pub(crate) fn own(&self, layer: usize) -> &Plane<bool> {
-        self.steps.get(layer).map_or(&self.alone.white, |step| &step.alone)
-    }
-
-    /// What labels cost with these terminals.
-    fn costs<'c>(&'c self, terminal: &'c Plane<[i32; 2]>) -> Costs<'c> {
-        Costs { mask: &self.graph.mask, terminal, neighbour: &self.graph.neighbour }
-    }
-
-    /// Labels with what is painted as it is painted.
-    fn kept(&self, white: Plane<bool>) -> Plane<bool> {
-        let Some(painted) = &self.painted else { return white };
-        let labels = white.pixels().iter().zip(painted.pixels()).zip(self.graph.mask.pixels());
-        let kept =
-            labels.map(|((white, painted), mask)| painted.filter(|_| *mask).unwrap_or(*white));
-        Plane::from_pixels(white.width(), white.height(), kept.collect())
-    }
-}
 
 /// Which frames are cut together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +64,7 @@ impl Plan {
 }
 
 /// What takes a labelled frame: its place in the shot, its cel, the labels of its layers.
-pub type Done<'a, C> = dyn FnMut(usize, &C, &[Plane<bool>]) -> Result<()> + 'a;
+pub type Done<'a, C> = dyn FnMut(usize, &C, &[Plane<u8>]) -> Result<()> + 'a;
 
 /// A film being labelled, block after block.
 pub struct Film<'a, C> {
@@ -147,7 +74,7 @@ pub struct Film<'a, C> {
     cels: VecDeque<C>,
     first: usize,
     /// Labels of keys that were cut already, by layer.
-    keys: BTreeMap<usize, Vec<Plane<bool>>>,
+    keys: BTreeMap<usize, Vec<Plane<u8>>>,
 }
 
 impl<'a, C: AsRef<Cel>> Film<'a, C> {
@@ -201,22 +128,23 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         key: usize,
         fetch: &mut dyn FnMut(usize) -> Result<C>,
         run: &Run,
-    ) -> Result<Vec<Plane<bool>>> {
+    ) -> Result<Vec<Plane<u8>>> {
         if let Some(labels) = self.keys.get(&key) {
             return Ok(labels.clone());
         }
         let around = self.plan.around(key);
         self.gather(around.end, fetch)?;
         let mut settled = Vec::new();
-        for layer in 0..self.cel(key).as_ref().layers() {
+        for layer in 0..self.cel(key).as_ref().depth() {
             let labels = self.cut(around.clone(), layer, &Known::default(), run)?;
             let cel = self.cel(key).as_ref();
             let at = key - around.start;
             let before = at.checked_sub(1).map(|i| &labels[i]);
             let after = labels.get(at + 1).map(|after| (self.cel(key + 1).as_ref(), after));
             let area = self.knobs.island_area(cel.graph.mask.height());
-            let held = held(cel, layer, before, after, self.knobs);
-            settled.push(cel.kept(cel.costs(&held).without_islands(&labels[at], area)));
+            let held = held((cel, layer), before, after, self.knobs);
+            let clean = cel.costs(&held, layer).without_islands(&labels[at], area);
+            settled.push(cel.kept(layer, clean));
         }
         self.keys.insert(key, settled.clone());
         Ok(settled)
@@ -227,14 +155,14 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         &self,
         window: Range<usize>,
         layer: usize,
-        (before, key): (&Plane<bool>, Option<&Plane<bool>>),
+        (before, key): (&Plane<u8>, Option<&Plane<u8>>),
         run: &Run,
-    ) -> Result<Plane<bool>> {
+    ) -> Result<Plane<u8>> {
         let after = key.map(|labels| (&self.cel(window.end).as_ref().links, labels));
         let known = Known { before: Some(before), after };
         let labels = self.cut(window.clone(), layer, &known, run)?;
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
-        Ok(cels[0].kept(settled((&labels, layer), &cels, before, self.knobs)))
+        Ok(cels[0].kept(layer, settled((&labels, layer), &cels, before, self.knobs)))
     }
 
     fn cut(
@@ -243,7 +171,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         layer: usize,
         known: &Known,
         run: &Run,
-    ) -> Result<Vec<Plane<bool>>> {
+    ) -> Result<Vec<Plane<u8>>> {
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
         run.check()?;
         let pixels = cels.iter().map(|c| c.graph.mask.len() as u64).sum();
@@ -275,16 +203,16 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
 /// those of a short life: a piece that is new and of which less than half is left at the window's
 /// end, or at any frame on the way, is taken away at once.
 fn settled(
-    (labels, layer): (&[Plane<bool>], usize),
+    (labels, layer): (&[Plane<u8>], usize),
     cels: &[&Cel],
-    before: &Plane<bool>,
+    before: &Plane<u8>,
     knobs: &BinaryKnobs,
-) -> Plane<bool> {
+) -> Plane<u8> {
     let mask = &cels[0].graph.mask;
     let area = knobs.island_area(mask.height());
     let after = cels.get(1).map(|after| (*after, &labels[1]));
-    let held = held(cels[0], layer, Some(before), after, knobs);
-    let clean = cels[0].costs(&held).without_islands(&labels[0], area);
+    let held = held((cels[0], layer), Some(before), after, knobs);
+    let clean = cels[0].costs(&held, layer).without_islands(&labels[0], area);
     if area <= 0.0 {
         return clean;
     }
@@ -301,63 +229,58 @@ fn settled(
         let from = owner;
         owner =
             cel.links.map(|&l| if l == UNLINKED { UNCOVERED } else { from.pixels()[l as usize] });
-        for (id, white) in owner.pixels().iter().zip(labels.pixels()) {
+        for (id, label) in owner.pixels().iter().zip(labels.pixels()) {
             if *id != UNCOVERED {
                 seen[*id as usize] += 1;
-                kept[*id as usize] += u32::from(*white == pieces.pieces[*id as usize].label);
+                kept[*id as usize] += u32::from(*label == pieces.pieces[*id as usize].label);
             }
         }
         for id in 0..count {
             lasts[id] &= 2 * kept[id] >= seen[id];
         }
     }
-    let flips = |id: usize| is_new[id] && !lasts[id] && pieces.pieces[id].touches_other;
-    let out = pieces
-        .ids
-        .zip(&clean, |id, w| if *id == UNCOVERED { *w } else { *w != flips(*id as usize) });
-    without_islands(&out.expect("pieces have the picture's size"), mask, area)
+    let goes = |id: usize| is_new[id] && !lasts[id] && pieces.pieces[id].touches_other;
+    without_islands(&recoloured(&clean, &pieces, mask, &goes), mask, area)
 }
 
-/// The terminals of a frame with the pull of its links to the labels before and after it.
+/// The prices of a frame's layer with the pull of its links to the labels before and after it.
 fn held(
-    cel: &Cel,
-    layer: usize,
-    before: Option<&Plane<bool>>,
-    after: Option<(&Cel, &Plane<bool>)>,
+    (cel, layer): (&Cel, usize),
+    before: Option<&Plane<u8>>,
+    after: Option<(&Cel, &Plane<u8>)>,
     knobs: &BinaryKnobs,
-) -> Plane<[i32; 2]> {
+) -> Vec<i32> {
     let link = link_capacity(cel, knobs);
-    let mut terminal = cel.terminal(layer).clone();
+    let count = cel.count(layer);
+    let mut prices = cel.prices(layer).to_vec();
     if let Some(before) = before {
-        for (terminal, to) in terminal.pixels_mut().iter_mut().zip(cel.links.pixels()) {
-            if *to != UNLINKED {
-                terminal[usize::from(!before.pixels()[*to as usize])] += link;
-            }
+        for (p, to) in cel.links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED) {
+            pull(&mut prices[p * count..][..count], before.pixels()[*to as usize], link);
         }
     }
     if let Some((after, labels)) = after {
-        for (to, white) in after.links.pixels().iter().zip(labels.pixels()) {
+        for (to, label) in after.links.pixels().iter().zip(labels.pixels()) {
             if *to != UNLINKED {
-                terminal.pixels_mut()[*to as usize][usize::from(!white)] += link;
+                pull(&mut prices[*to as usize * count..][..count], *label, link);
             }
         }
     }
-    terminal
+    prices
 }
 
 /// For each piece whether most of its pixels that were seen before had the other label.
 fn mostly_new(
     ids: &Plane<u32>,
-    white: &Plane<bool>,
+    labels: &Plane<u8>,
     cel: &Cel,
-    before: &Plane<bool>,
+    before: &Plane<u8>,
     count: usize,
 ) -> Vec<bool> {
     let (mut new, mut seen) = (vec![0u32; count], vec![0u32; count]);
-    for ((id, link), white) in ids.pixels().iter().zip(cel.links.pixels()).zip(white.pixels()) {
+    for ((id, link), label) in ids.pixels().iter().zip(cel.links.pixels()).zip(labels.pixels()) {
         if *id != UNCOVERED && *link != UNLINKED {
             seen[*id as usize] += 1;
-            new[*id as usize] += u32::from(before.pixels()[*link as usize] != *white);
+            new[*id as usize] += u32::from(before.pixels()[*link as usize] != *label);
         }
     }
     new.iter().zip(&seen).map(|(n, s)| *s > 0 && 4 * n > 3 * s).collect()

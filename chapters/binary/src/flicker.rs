@@ -3,7 +3,8 @@
 //! A *flip* is a change of label along a link; a *reversal* is a flip that undoes another within
 //! [`REVERSAL`] frames at the same material point; a *tone flip* is a change of the sign of W - B
 //! along the same links; a *pop* is a connected group of flipped pixels near which nothing had the
-//! new colour before. Flips that the tone makes too are true; reversals are flicker.
+//! new colour before. Flips that the tone makes too are true; reversals are flicker. Of more than
+//! two labels the tone's side is the one that the pixel alone would take.
 
 use chiaro_image::Plane;
 use chiaro_image::labels::components;
@@ -21,15 +22,15 @@ const REACH: isize = 8;
 /// One frame as the measures need it; all planes have the picture's size.
 pub struct Shown<'a> {
     /// Its labels.
-    pub white: &'a Plane<bool>,
+    pub labels: &'a Plane<u8>,
     /// Where there is geometry.
     pub covered: &'a Plane<bool>,
     /// For each pixel the pixel of the frame before that shows the same material point.
     pub links: &'a Plane<u32>,
-    /// The labels of the frame's own minimal cut; equal to `white` where there is none to compare.
-    pub alone: &'a Plane<bool>,
-    /// Whether W - B is positive.
-    pub tone: &'a Plane<bool>,
+    /// The labels of the frame's own minimal cut; equal to `labels` where there is none to compare.
+    pub alone: &'a Plane<u8>,
+    /// The label that the pixel's own terminals want.
+    pub tone: &'a Plane<u8>,
     /// The spatial energy of its labels and of its own cut.
     pub energy: [i64; 2],
 }
@@ -49,6 +50,8 @@ pub struct Flicker {
     pub pops: Vec<u32>,
     /// Spatial energy of the film's labels and of the frames' own cuts.
     pub energy: [i64; 2],
+    /// What the island rule adds to the energy of the frames' own cuts, for whoever adds it up.
+    pub islands: i64,
     /// Sum of signed distances by which moving borders trail those of the frames' own cuts, pixels,
     /// and how many border pixels were looked at.
     pub lag: (f64, u64),
@@ -58,9 +61,9 @@ pub struct Flicker {
 #[derive(Clone, Debug)]
 struct Before {
     number: usize,
-    white: Plane<bool>,
-    alone: Plane<bool>,
-    tone: Plane<bool>,
+    labels: Plane<u8>,
+    alone: Plane<u8>,
+    tone: Plane<u8>,
     /// Frames since the material point's last flip; 255 for long.
     age: Plane<u8>,
 }
@@ -74,11 +77,11 @@ impl Flicker {
         let before = self.before.take().filter(|b| b.number + 1 == number);
         let age = match &before {
             Some(before) => self.compare(before, shown),
-            None => shown.white.map(|_| u8::MAX),
+            None => shown.labels.map(|_| u8::MAX),
         };
         self.before = Some(Before {
             number,
-            white: shown.white.clone(),
+            labels: shown.labels.clone(),
             alone: shown.alone.clone(),
             tone: shown.tone.clone(),
             age,
@@ -93,6 +96,7 @@ impl Flicker {
         self.tone_flips += other.tone_flips;
         self.pops.extend(&other.pops);
         self.energy = [self.energy[0] + other.energy[0], self.energy[1] + other.energy[1]];
+        self.islands += other.islands;
         self.lag = (self.lag.0 + other.lag.0, self.lag.1 + other.lag.1);
     }
 
@@ -129,6 +133,12 @@ impl Flicker {
         if alone == 0 { 0.0 } else { film as f64 / alone as f64 - 1.0 }
     }
 
+    /// The share of that which frames on their own have too, by the island rule.
+    pub fn island_excess(&self) -> f64 {
+        let alone = self.energy[1];
+        if alone == 0 { 0.0 } else { self.islands as f64 / alone as f64 }
+    }
+
     /// The mean distance by which moving borders trail, in pixels.
     pub fn lag_px(&self) -> f64 {
         if self.lag.1 == 0 { 0.0 } else { self.lag.0 / self.lag.1 as f64 }
@@ -136,7 +146,7 @@ impl Flicker {
 
     /// Counts what changed; the ages of the flips after it.
     fn compare(&mut self, before: &Before, shown: &Shown) -> Plane<u8> {
-        let (w, h) = shown.white.size();
+        let (w, h) = shown.labels.size();
         let mut age = Plane::filled(w, h, u8::MAX);
         let mut popped = Plane::filled(w, h, false);
         let mut moved = Plane::filled(w, h, false);
@@ -146,20 +156,20 @@ impl Flicker {
                 continue;
             }
             let from = link as usize;
-            let white = shown.white.pixels()[i];
+            let label = shown.labels.pixels()[i];
             self.visible += 1;
             self.tone_flips += u64::from(shown.tone.pixels()[i] != before.tone.pixels()[from]);
             moved.pixels_mut()[i] = shown.alone.pixels()[i] != before.alone.pixels()[from];
             let older = before.age.pixels()[from].saturating_add(1);
             age.pixels_mut()[i] = older;
-            if white != before.white.pixels()[from] {
+            if label != before.labels.pixels()[from] {
                 self.flips += 1;
                 self.reversals += u64::from(older <= REVERSAL);
                 age.pixels_mut()[i] = 0;
-                popped.pixels_mut()[i] = !is_near(&before.white, from, white);
+                popped.pixels_mut()[i] = !is_near(&before.labels, from, label);
             }
         }
-        let groups = components(shown.white, &popped).pieces;
+        let groups = components(shown.labels, &popped).pieces;
         self.pops.push(groups.iter().map(|p| p.area as u32).max().unwrap_or(0));
         self.measure_lag(shown, before, &moved);
         age
@@ -168,18 +178,18 @@ impl Flicker {
     /// Compares each border of the film, where the frame's own cut has one that just moved nearby,
     /// with that one.
     fn measure_lag(&mut self, shown: &Shown, before: &Before, moved: &Plane<bool>) {
-        if shown.white == shown.alone {
+        if shown.labels == shown.alone {
             self.lag.1 += moved.pixels().iter().filter(|m| **m).count() as u64;
             return;
         }
-        let (w, h) = shown.white.size();
+        let (w, h) = shown.labels.size();
         for y in 0..h {
             for x in 0..w {
                 for (dx, dy) in [(1, 0), (0, 1)] {
                     let q = (x + dx, y + dy);
                     let inside = q.0 < w && q.1 < h && shown.covered[(x, y)] && shown.covered[q];
                     if inside
-                        && shown.white[(x, y)] != shown.white[q]
+                        && shown.labels[(x, y)] != shown.labels[q]
                         && let Some(distance) = lag_at(shown, before, moved, (x, y), (dx, dy))
                     {
                         self.lag.0 += distance;
@@ -192,10 +202,9 @@ impl Flicker {
 }
 
 /// Whether a label occurs within [`NEAR`] pixels of a place.
-fn is_near(white: &Plane<bool>, at: usize, label: bool) -> bool {
-    let (x, y) = ((at % white.width()) as isize, (at / white.width()) as isize);
-    (-NEAR..=NEAR)
-        .any(|v| (-NEAR..=NEAR).any(|u| white.at(x + u, y + v).is_some_and(|w| *w == label)))
+fn is_near(labels: &Plane<u8>, at: usize, label: u8) -> bool {
+    let (x, y) = ((at % labels.width()) as isize, (at / labels.width()) as isize);
+    (-NEAR..=NEAR).any(|v| (-NEAR..=NEAR).any(|u| labels.at(x + u, y + v) == Some(&label)))
 }
 
 /// The signed distance along an axis from a border of the film between `p` and its neighbour to
@@ -208,10 +217,10 @@ fn lag_at(
     p: (usize, usize),
     (dx, dy): (usize, usize),
 ) -> Option<f64> {
-    let here = shown.white[p];
+    let (here, there) = (shown.labels[p], shown.labels[(p.0 + dx, p.1 + dy)]);
     let at = |n: isize| (p.0 as isize + n * dx as isize, p.1 as isize + n * dy as isize);
     let alone = |n: isize| shown.alone.at(at(n).0, at(n).1).copied();
-    let is_border = |n: isize| alone(n) == Some(here) && alone(n + 1) == Some(!here);
+    let is_border = |n: isize| alone(n) == Some(here) && alone(n + 1) == Some(there);
     let n = (0..=REACH).find_map(|d| [d, -d].into_iter().find(|n| is_border(*n)))?;
     let near = |m: isize| moved.at(at(m).0, at(m).1) == Some(&true);
     if !(n.min(0) - 1..=n.max(0) + 2).any(near) {
@@ -227,7 +236,7 @@ fn lag_at(
     if link == UNLINKED {
         return None;
     }
-    let trails = before.alone.pixels()[link as usize] == shown.white[pixel];
+    let trails = before.alone.pixels()[link as usize] == shown.labels[pixel];
     Some(if trails { n.abs() as f64 } else { -(n.abs() as f64) })
 }
 
@@ -238,13 +247,14 @@ mod tests {
     /// Films of a still object, drawn as rows of `.` for white.
     fn measured(frames: &[(&str, &str)]) -> Flicker {
         let mut flicker = Flicker::default();
-        let plane = |text: &str| Plane::from_fn(text.len(), 1, |x, _| text.as_bytes()[x] == b'.');
+        let plane =
+            |text: &str| Plane::from_fn(text.len(), 1, |x, _| u8::from(text.as_bytes()[x] == b'.'));
         for (i, (film, alone)) in frames.iter().enumerate() {
-            let (white, alone) = (plane(film), plane(alone));
+            let (labels, alone) = (plane(film), plane(alone));
             let links = Plane::from_fn(film.len(), 1, |x, _| x as u32);
             let covered = Plane::filled(film.len(), 1, true);
             let shown = Shown {
-                white: &white,
+                labels: &labels,
                 covered: &covered,
                 links: &links,
                 alone: &alone,

@@ -8,47 +8,9 @@ use chiaro_image::Plane;
 use chiaro_image::labels::{Components, UNCOVERED, components};
 use std::collections::BTreeMap;
 
-/// `white` without pieces of fewer than `area` pixels.
-pub fn without_islands(white: &Plane<bool>, mask: &Plane<bool>, area: f32) -> Plane<bool> {
-    let mut white = white.clone();
-    if area <= 0.0 {
-        return white;
-    }
-    // Every pass merges the smallest of each nest; nests are rarely deep.
-    while let Some(next) = merge_smallest(&white, mask, area) {
-        white = next;
-    }
-    white
-}
-
-/// One pass; `None` when nothing is small.
-fn merge_smallest(white: &Plane<bool>, mask: &Plane<bool>, area: f32) -> Option<Plane<bool>> {
-    let pieces = components(white, mask);
-    let small = |id: usize| {
-        let p = &pieces.pieces[id];
-        (p.area as f32) < area && p.touches_other
-    };
-    if !(0..pieces.pieces.len()).any(small) {
-        return None;
-    }
-    let mut flips: Vec<bool> = (0..pieces.pieces.len()).map(small).collect();
-    for (a, b) in pieces.touching() {
-        let (pa, pb) = (pieces.pieces[a].area, pieces.pieces[b].area);
-        // Of two small neighbours the smaller goes, ties by id.
-        if small(a) && small(b) {
-            flips[if (pa, a) < (pb, b) { b } else { a }] = false;
-        }
-    }
-    let next = pieces.ids.zip(white, |id, w| match *id {
-        UNCOVERED => *w,
-        id => *w != flips[id as usize],
-    });
-    Some(next.expect("pieces have the picture's size"))
-}
-
 /// `labels` of any number without pieces of fewer than `area` pixels: each takes the label with
 /// which it shares the longest border, the smallest first.
-pub fn without_islands_of(labels: &Plane<u8>, mask: &Plane<bool>, area: f32) -> Plane<u8> {
+pub fn without_islands(labels: &Plane<u8>, mask: &Plane<bool>, area: f32) -> Plane<u8> {
     let mut labels = labels.clone();
     if area <= 0.0 {
         return labels;
@@ -59,19 +21,27 @@ pub fn without_islands_of(labels: &Plane<u8>, mask: &Plane<bool>, area: f32) -> 
             let p = &found.pieces[id];
             (p.area as f32) < area && p.touches_other
         };
-        let count = found.pieces.len();
-        if !(0..count).any(small) {
+        if !(0..found.pieces.len()).any(small) {
             return labels;
         }
-        let takes = longest_borders(&found, mask, &small);
-        labels = found
-            .ids
-            .zip(
-                &labels,
-                |id, l| if *id == UNCOVERED { *l } else { takes[*id as usize].unwrap_or(*l) },
-            )
-            .expect("pieces have the picture's size");
+        labels = recoloured(&labels, &found, mask, &small);
     }
+}
+
+/// Labels whose pieces for which `goes` holds take what surrounds them most; of two that touch the
+/// smaller.
+pub(crate) fn recoloured(
+    labels: &Plane<u8>,
+    found: &Components<u8>,
+    mask: &Plane<bool>,
+    goes: &dyn Fn(usize) -> bool,
+) -> Plane<u8> {
+    let takes = longest_borders(found, mask, goes);
+    let label = |id: &u32, l: &u8| match *id {
+        UNCOVERED => *l,
+        id => takes[id as usize].unwrap_or(*l),
+    };
+    found.ids.zip(labels, label).expect("pieces have the picture's size")
 }
 
 /// For each small piece that is not beside a smaller one the label that surrounds it most.
@@ -114,13 +84,13 @@ mod tests {
 
     fn cleaned(rows: &[&str], area: f32) -> Vec<String> {
         let (w, h) = (rows[0].len(), rows.len());
-        let white = Plane::from_fn(w, h, |x, y| rows[y].as_bytes()[x] == b'.');
+        let white = Plane::from_fn(w, h, |x, y| u8::from(rows[y].as_bytes()[x] == b'.'));
         let mask = Plane::from_fn(w, h, |x, y| rows[y].as_bytes()[x] != b' ');
         let out = without_islands(&white, &mask, area);
         let sign = |x, y| {
             if !mask[(x, y)] {
                 ' '
-            } else if out[(x, y)] {
+            } else if out[(x, y)] == 1 {
                 '.'
             } else {
                 '#'
@@ -134,9 +104,9 @@ mod tests {
         let rows = ["0000000", "0011200", "0011200", "0000000", "2222222", "2222222"];
         let labels = Plane::from_fn(7, 6, |x, y| rows[y].as_bytes()[x] - b'0');
         let mask = labels.map(|_| true);
-        let out = without_islands_of(&labels, &mask, 3.0);
+        let out = without_islands(&labels, &mask, 3.0);
         assert_eq!((out[(4, 1)], out[(3, 1)], out[(3, 5)]), (0, 1, 2));
-        let out = without_islands_of(&labels, &mask, 10.0);
+        let out = without_islands(&labels, &mask, 10.0);
         assert_eq!((out[(4, 1)], out[(3, 1)], out[(3, 5)]), (0, 0, 2));
     }
 

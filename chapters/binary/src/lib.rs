@@ -13,6 +13,7 @@
 
 mod appearance;
 mod baseline;
+mod cel;
 mod compose;
 mod cut;
 mod exposure;
@@ -35,16 +36,17 @@ mod window;
 
 pub use appearance::{Channel, Channels, Lit};
 pub use baseline::{Method, image_bonds};
+pub use cel::{Cel, Layer};
 pub use compose::{Marks, compose, one_bit};
 pub use cut::{Border, FeaturePairs, Graph, Labels};
 pub use exposure::{Exposure, LEAST_REACH, MOST_STEPS, Sample, local_contrast, mixed_tone};
-pub use film::{BLOCK, Cel, Done, Film, Plan, Step};
+pub use film::{BLOCK, Done, Film, Plan};
 pub use flicker::{Flicker, REVERSAL, Shown};
 pub use geometry::{EDGES, angle, depth_step, neighbour_factors};
-pub use island::{without_islands, without_islands_of};
+pub use island::without_islands;
 pub use knob::{BinaryKnobs, CurvatureForm, DepthForm, Model, REFERENCE_HEIGHT, scaled};
 pub use line::{Features, Lines};
-pub use paint::{Paint, Stroke, Strokes};
-pub use palette::{Coloured, Palette, colour_regions, is_light, step_terminals, tint, toned};
+pub use paint::{Lesson, Paint, Stroke, Strokes};
+pub use palette::{Coloured, Palette, colour_regions, film_layers, is_light, labelled, tint};
 pub use shade::{Prepared, Steps, View, Weights, expose, outline, prepare, shade, weigh};
 pub use terminal::terminal;

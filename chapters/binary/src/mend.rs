@@ -14,34 +14,52 @@ use crate::island::without_islands;
 use chiaro_image::Plane;
 use chiaro_image::labels::{Components, Piece, UNCOVERED, components};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap};
 
 /// What labels cost, in units of capacity.
 #[derive(Clone, Copy)]
 pub(crate) struct Costs<'a> {
     /// Which pixels are nodes.
     pub(crate) mask: &'a Plane<bool>,
-    /// Paid when black, paid when white.
-    pub(crate) terminal: &'a Plane<[i32; 2]>,
-    /// Bonds to E, SE, S, SW.
+    /// How many labels there are.
+    pub(crate) count: usize,
+    /// What each pixel pays for each label.
+    pub(crate) prices: &'a [i32],
+    /// Bonds to E, SE, S, SW, paid between any two labels.
     pub(crate) neighbour: &'a Plane<[i32; 4]>,
 }
 
 impl Costs<'_> {
-    /// `white` without pieces of fewer than `area` pixels.
-    pub(crate) fn without_islands(&self, white: &Plane<bool>, area: f32) -> Plane<bool> {
+    /// `labels` without pieces of fewer than `area` pixels.
+    pub(crate) fn without_islands(&self, labels: &Plane<u8>, area: f32) -> Plane<u8> {
         if area <= 1.0 {
-            return white.clone();
+            return labels.clone();
         }
-        let mut growing = Growing::new(*self, white, area);
+        let mut growing = Growing::new(*self, labels, area);
         growing.grow_all();
-        without_islands(&growing.white, self.mask, area)
+        without_islands(&growing.labels, self.mask, area)
     }
 
-    /// What a pixel's other label costs more than its own, but for bonds.
-    fn preference(&self, p: (usize, usize), is_white: bool) -> i64 {
-        let [black, white] = self.terminal[p].map(i64::from);
-        if is_white { black - white } else { white - black }
+    /// The energy of labels.
+    pub(crate) fn of(&self, labels: &Plane<u8>) -> i64 {
+        let (w, h) = self.mask.size();
+        let mut energy = 0;
+        for p in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).filter(|p| self.mask[*p]) {
+            energy += self.price(p, labels[p]);
+            for (e, (dx, dy)) in EDGES.into_iter().enumerate() {
+                let q = (p.0.wrapping_add_signed(dx), p.1.wrapping_add_signed(dy));
+                if q.0 < w && q.1 < h && self.mask[q] && labels[p] != labels[q] {
+                    energy += i64::from(self.neighbour[p][e]);
+                }
+            }
+        }
+        energy
+    }
+
+    /// What a pixel's labels cost, but for bonds.
+    fn price(&self, (x, y): (usize, usize), label: u8) -> i64 {
+        let pixel = y * self.mask.width() + x;
+        i64::from(self.prices[pixel * self.count + usize::from(label)])
     }
 
     /// The nodes beside a pixel, with their bonds.
@@ -56,45 +74,40 @@ impl Costs<'_> {
             .map(|(q, owner, e)| (q, i64::from(self.neighbour[owner][e])))
     }
 
-    /// What it costs to change one pixel.
-    fn change(&self, white: &Plane<bool>, p: (usize, usize)) -> i64 {
-        let own = white[p];
-        let bonds = self.around(p).map(|(q, bond)| if white[q] == own { bond } else { -bond });
-        self.preference(p, own) + bonds.sum::<i64>()
+    /// What it costs to give one pixel another label.
+    fn change(&self, labels: &Plane<u8>, p: (usize, usize), label: u8) -> i64 {
+        let own = labels[p];
+        let paid = |q: (usize, usize), label: u8| i64::from(labels[q] != label);
+        let bonds = self.around(p).map(|(q, bond)| bond * (paid(q, label) - paid(q, own)));
+        self.price(p, label) - self.price(p, own) + bonds.sum::<i64>()
     }
 }
 
 /// How a piece could grow.
 struct Growth {
-    added: Vec<(usize, usize)>,
+    /// Pixels and the labels that they have had.
+    added: Vec<((usize, usize), u8)>,
     /// The pieces that become one, its own first.
     joined: Vec<u32>,
     area: usize,
-    cost: i64,
-}
-
-impl Growth {
-    fn new(piece: u32, area: usize) -> Self {
-        Self { added: Vec::new(), joined: vec![piece], area, cost: 0 }
-    }
 }
 
 /// Labels whose small pieces grow.
 struct Growing<'a> {
     costs: Costs<'a>,
-    white: Plane<bool>,
+    labels: Plane<u8>,
     least: f32,
     ids: Plane<u32>,
-    pieces: Vec<Piece<bool>>,
+    pieces: Vec<Piece<u8>>,
     /// The piece that each piece has become a part of, or itself.
     part_of: Vec<u32>,
 }
 
 impl<'a> Growing<'a> {
-    fn new(costs: Costs<'a>, white: &Plane<bool>, least: f32) -> Self {
-        let Components { pieces, ids } = components(white, costs.mask);
+    fn new(costs: Costs<'a>, labels: &Plane<u8>, least: f32) -> Self {
+        let Components { pieces, ids } = components(labels, costs.mask);
         let part_of = (0..pieces.len() as u32).collect();
-        Self { costs, white: white.clone(), least, ids, pieces, part_of }
+        Self { costs, labels: labels.clone(), least, ids, pieces, part_of }
     }
 
     fn grow_all(&mut self) {
@@ -127,13 +140,22 @@ impl<'a> Growing<'a> {
         rows.filter(|p| self.ids[*p] == id).collect()
     }
 
-    /// What it costs to give a piece the label around it.
-    fn removal(&self, pixels: &[(usize, usize)], label: bool) -> i64 {
-        let cost = |p: &(usize, usize)| {
-            let around = self.costs.around(*p).filter(|(q, _)| self.white[*q] != label);
-            self.costs.preference(*p, label) - around.map(|(_, bond)| bond).sum::<i64>()
-        };
-        pixels.iter().map(cost).sum()
+    /// What it costs to give a piece the label that is beside it most.
+    fn removal(&self, pixels: &[(usize, usize)], label: u8) -> i64 {
+        let mut border: BTreeMap<u8, i64> = BTreeMap::new();
+        let (mut costs, mut all) = (0, 0);
+        for p in pixels {
+            costs -= self.costs.price(*p, label);
+            for (q, bond) in self.costs.around(*p).filter(|(q, _)| self.labels[*q] != label) {
+                *border.entry(self.labels[q]).or_default() += bond;
+                all += bond;
+            }
+        }
+        let Some((other, _)) = border.iter().max_by_key(|(_, bonds)| **bonds) else { return 0 };
+        costs += pixels.iter().map(|p| self.costs.price(*p, *other)).sum::<i64>();
+        // What is beside it in a third label stays a border.
+        let rest: i64 = border.iter().filter(|(l, _)| *l != other).map(|(_, bonds)| bonds).sum();
+        costs + rest - all
     }
 
     /// Lets a piece grow if that is cheaper than its removal.
@@ -142,45 +164,48 @@ impl<'a> Growing<'a> {
         let pixels = self.pixels(id);
         let removal = self.removal(&pixels, label);
         if let Some(growth) = self.growth(&pixels, label, removal) {
-            growth.added.iter().for_each(|p| self.white[*p] = label);
+            growth.added.iter().for_each(|(p, _)| self.labels[*p] = label);
             self.take(&growth);
         }
     }
 
     /// The piece with the cheapest pixels around it, one after the other, until it is large enough;
     /// `None` where that costs more than `dearest`.
-    fn growth(&mut self, pixels: &[(usize, usize)], label: bool, dearest: i64) -> Option<Growth> {
+    fn growth(&mut self, pixels: &[(usize, usize)], label: u8, dearest: i64) -> Option<Growth> {
         let start = self.whole(self.ids[*pixels.first()?]);
-        let mut growth = Growth::new(start, self.pieces[start as usize].area);
+        let area = self.pieces[start as usize].area;
+        let mut growth = Growth { added: Vec::new(), joined: vec![start], area };
+        let mut cost = 0;
         let mut next = BinaryHeap::new();
         let mut beside = pixels.to_vec();
         while (growth.area as f32) < self.least {
             for p in std::mem::take(&mut beside) {
-                for (q, _) in self.costs.around(p).filter(|(q, _)| self.white[*q] != label) {
-                    next.push(Reverse((self.costs.change(&self.white, q), q.1, q.0)));
+                for (q, _) in self.costs.around(p).filter(|(q, _)| self.labels[*q] != label) {
+                    next.push(Reverse((self.costs.change(&self.labels, q, label), q.1, q.0)));
                 }
             }
             let Some(Reverse((price, y, x))) = next.pop() else { break };
-            if self.white[(x, y)] == label || price != self.costs.change(&self.white, (x, y)) {
+            let p = (x, y);
+            if self.labels[p] == label || price != self.costs.change(&self.labels, p, label) {
                 continue;
             }
-            growth.cost += price;
-            if growth.cost > dearest {
+            cost += price;
+            if cost > dearest {
                 break;
             }
-            self.white[(x, y)] = label;
-            growth.added.push((x, y));
+            growth.added.push((p, self.labels[p]));
+            self.labels[p] = label;
             growth.area += 1;
-            beside.push((x, y));
-            self.join(&mut growth, (x, y), label);
+            beside.push(p);
+            self.join(&mut growth, p, label);
         }
-        growth.added.iter().for_each(|p| self.white[*p] = !label);
-        (growth.area as f32 >= self.least && growth.cost <= dearest).then_some(growth)
+        growth.added.iter().for_each(|(p, former)| self.labels[*p] = *former);
+        (growth.area as f32 >= self.least && cost <= dearest).then_some(growth)
     }
 
     /// Counts in the pieces that a new pixel touches.
-    fn join(&self, growth: &mut Growth, p: (usize, usize), label: bool) {
-        for (q, _) in self.costs.around(p).filter(|(q, _)| self.white[*q] == label) {
+    fn join(&self, growth: &mut Growth, p: (usize, usize), label: u8) {
+        for (q, _) in self.costs.around(p).filter(|(q, _)| self.labels[*q] == label) {
             let beside = self.whole(self.ids[q]);
             if self.pieces[beside as usize].label == label && !growth.joined.contains(&beside) {
                 growth.joined.push(beside);
@@ -192,7 +217,7 @@ impl<'a> Growing<'a> {
     /// Makes pixels and pieces one piece.
     fn take(&mut self, growth: &Growth) {
         let whole = growth.joined[0];
-        for p in &growth.added {
+        for (p, _) in &growth.added {
             let former = self.ids[*p];
             debug_assert!(former != UNCOVERED, "only nodes are taken");
             let former = self.whole(former) as usize;
@@ -213,7 +238,7 @@ mod tests {
     fn mended(rows: &[&str], bond: i32, area: f32) -> Vec<String> {
         let (w, h) = (rows[0].len(), rows.len());
         let at = |x: usize, y: usize| rows[y].as_bytes()[x];
-        let white = Plane::from_fn(w, h, |x, y| b".,".contains(&at(x, y)));
+        let labels = Plane::from_fn(w, h, |x, y| u8::from(b".,".contains(&at(x, y))));
         let mask = Plane::filled(w, h, true);
         let terminal = Plane::from_fn(w, h, |x, y| match at(x, y) {
             b'.' => [2, 0],
@@ -222,9 +247,11 @@ mod tests {
             digit => [0, i32::from(digit - b'0')],
         });
         let neighbour = Plane::filled(w, h, [bond, 0, bond, 0]);
-        let costs = Costs { mask: &mask, terminal: &terminal, neighbour: &neighbour };
-        let out = costs.without_islands(&white, area);
-        (0..h).map(|y| (0..w).map(|x| if out[(x, y)] { '.' } else { '#' }).collect()).collect()
+        let prices = terminal.pixels().as_flattened();
+        let costs = Costs { mask: &mask, count: 2, prices, neighbour: &neighbour };
+        let out = costs.without_islands(&labels, area);
+        let sign = |x, y| if out[(x, y)] == 1 { '.' } else { '#' };
+        (0..h).map(|y| (0..w).map(|x| sign(x, y)).collect()).collect()
     }
 
     #[test]
@@ -249,15 +276,20 @@ mod tests {
 
     #[test]
     fn nothing_small_is_left() {
-        let noise = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * y * 31) % 7 < 3;
-        let (w, h) = (40, 30);
-        let white = Plane::from_fn(w, h, noise);
-        let mask = Plane::from_fn(w, h, |x, y| (x + y) % 11 != 0);
-        let terminal = white.map(|w| if *w { [9, 0] } else { [0, 9] });
-        let neighbour = Plane::filled(w, h, [3, 2, 3, 2]);
-        let costs = Costs { mask: &mask, terminal: &terminal, neighbour: &neighbour };
-        let out = costs.without_islands(&white, 6.0);
-        let found = components(&out, &mask);
-        assert!(found.pieces.iter().all(|p| p.area >= 6 || !p.touches_other));
+        for count in [2usize, 3] {
+            let noise = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * y * 31) % 7 % count;
+            let (w, h) = (40, 30);
+            let labels = Plane::from_fn(w, h, |x, y| noise(x, y) as u8);
+            let mask = Plane::from_fn(w, h, |x, y| (x + y) % 11 != 0);
+            let mut prices = Vec::new();
+            for own in labels.pixels() {
+                prices.extend((0..count).map(|l| 9 * i32::from(l != usize::from(*own))));
+            }
+            let neighbour = Plane::filled(w, h, [3, 2, 3, 2]);
+            let costs = Costs { mask: &mask, count, prices: &prices, neighbour: &neighbour };
+            let out = costs.without_islands(&labels, 6.0);
+            let found = components(&out, &mask);
+            assert!(found.pieces.iter().all(|p| p.area >= 6 || !p.touches_other));
+        }
     }
 }

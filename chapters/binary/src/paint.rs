@@ -9,6 +9,10 @@
 //!    being at least 1e-3; what both share is taken away, and the rest is divided by -log 1e-3: W - B
 //!    lies in [-1, 1], as the sliders' does. The print allows negative weights, as densities exceed 1.
 //! 4. Both differences are mixed, and what is painted is bound by more than all its neighbours.
+//!
+//! In a film strokes may belong to a frame. What they teach holds for the whole shot: a [`Lesson`]
+//! gathers values over as many frames as there are strokes on. Strokes that teach nothing, such as
+//! those beside all objects, leave the sliders as they are.
 
 use crate::appearance::{Channel, Channels};
 use crate::cut::Graph;
@@ -117,6 +121,14 @@ impl Strokes {
         text
     }
 
+    /// The frames that single strokes belong to, in order, and whether any belong to all.
+    pub fn frames(&self) -> (Vec<u32>, bool) {
+        let mut frames: Vec<u32> = self.list.iter().filter_map(|s| s.frame).collect();
+        frames.sort_unstable();
+        frames.dedup();
+        (frames, self.list.iter().any(|s| s.frame.is_none()))
+    }
+
     /// Takes the last stroke back.
     pub fn undo(&mut self) -> Option<Stroke> {
         self.list.pop()
@@ -213,11 +225,70 @@ fn within(low: f32, high: f32, count: usize) -> std::ops::Range<usize> {
     low.floor().clamp(0.0, count as f32) as usize..end
 }
 
-/// Strokes on one picture, and what they teach about the rest of it.
+/// What strokes teach: how often each value of each channel lies under strokes of a label.
+#[derive(Clone, Debug)]
+pub struct Lesson {
+    /// For each channel the counts by level, under white and under black.
+    counts: Vec<[Vec<u64>; 2]>,
+}
+
+impl Default for Lesson {
+    fn default() -> Self {
+        Self { counts: vec![[vec![0; LEVELS], vec![0; LEVELS]]; Channel::ALL.len()] }
+    }
+}
+
+impl Lesson {
+    /// Adds what is `drawn` over the channels of a picture.
+    pub fn add(&mut self, drawn: &Plane<Option<bool>>, channels: &Channels, covered: &Plane<bool>) {
+        for (counts, channel) in self.counts.iter_mut().zip(Channel::ALL) {
+            let Some(plane) = channels.get(channel) else { continue };
+            let seen = drawn.pixels().iter().zip(covered.pixels()).zip(plane.pixels());
+            for ((drawn, _), value) in seen.filter(|((_, covered), _)| **covered) {
+                if let Some(white) = drawn {
+                    counts[usize::from(!white)][level(*value)] += 1;
+                }
+            }
+        }
+    }
+
+    /// Whether nothing was under any stroke.
+    pub fn is_empty(&self) -> bool {
+        self.counts.iter().flatten().flatten().all(|n| *n == 0)
+    }
+
+    /// W - B of a picture as the strokes teach it.
+    fn difference(&self, channels: &Channels, covered: &Plane<bool>) -> Plane<f32> {
+        let taught = self.counts.iter().zip(Channel::ALL);
+        let parts: Vec<(&Plane<f32>, [Vec<f32>; 2])> = taught
+            .filter_map(|([white, black], channel)| {
+                Some((channels.get(channel)?, [density(white), density(black)]))
+            })
+            .collect();
+        let least = -LEAST.ln();
+        let (w, h) = covered.size();
+        Plane::from_fn(w, h, |x, y| {
+            if !covered[(x, y)] || parts.is_empty() {
+                return 0.0;
+            }
+            let cost = |label: usize| -> f32 {
+                let log = |(plane, densities): &(&Plane<f32>, [Vec<f32>; 2])| {
+                    -densities[label][level(plane[(x, y)])].max(LEAST).ln()
+                };
+                parts.iter().map(log).sum::<f32>() / parts.len() as f32
+            };
+            // W is paid when black, B when white; subtracting what both share leaves W - B as it is.
+            ((cost(1) - cost(0)) / least).clamp(-1.0, 1.0)
+        })
+    }
+}
+
+/// Strokes on one picture, and what is known about the rest of it.
 #[derive(Clone, Debug)]
 pub struct Paint {
     drawn: Plane<Option<bool>>,
-    learned: Plane<f32>,
+    /// W - B as strokes teach it, if they teach anything.
+    learned: Option<Plane<f32>>,
     blend: f32,
 }
 
@@ -230,24 +301,47 @@ impl Paint {
         covered: &Plane<bool>,
         blend: f32,
     ) -> Self {
-        let learned = learned(&drawn, channels, covered);
+        let mut lesson = Lesson::default();
+        lesson.add(&drawn, channels, covered);
+        Self::taught(drawn, &lesson, (channels, covered), blend)
+    }
+
+    /// What is `drawn` on a picture, with a lesson that was learned elsewhere as well.
+    pub fn taught(
+        drawn: Plane<Option<bool>>,
+        lesson: &Lesson,
+        (channels, covered): (&Channels, &Plane<bool>),
+        blend: f32,
+    ) -> Self {
+        let learned = (!lesson.is_empty()).then(|| lesson.difference(channels, covered));
         Self { drawn, learned, blend }
     }
 
     /// W - B from sliders and strokes.
     pub(crate) fn mixed(&self, sliders: &Plane<f32>) -> Plane<f32> {
+        let Some(learned) = &self.learned else { return sliders.clone() };
         let t = self.blend;
-        sliders.zip(&self.learned, |s, l| s + t * (l - s)).expect("one picture, one size")
+        sliders.zip(learned, |s, l| s + t * (l - s)).expect("one picture, one size")
     }
 
     /// Binds painted pixels: their own terminal outweighs all their neighbours, the other is 0.
     pub(crate) fn bind(&self, graph: &mut Graph) {
-        let (w, h) = self.drawn.size();
-        for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
-            let Some(white) = self.drawn[(x, y)].filter(|_| graph.mask[(x, y)]) else { continue };
-            let own = around(&graph.neighbour, (x, y)).saturating_add(1);
-            graph.terminal[(x, y)] = if white { [own, 0] } else { [0, own] };
+        for (p, white) in self.bound(graph) {
+            let own = self.bond(graph, p);
+            graph.terminal[p] = if white { [own, 0] } else { [0, own] };
         }
+    }
+
+    /// The nodes that are painted, and whether white.
+    pub(crate) fn bound(&self, graph: &Graph) -> Vec<((usize, usize), bool)> {
+        let (w, h) = self.drawn.size();
+        let all = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
+        all.filter_map(|p| Some((p, self.drawn[p].filter(|_| graph.mask[p])?))).collect()
+    }
+
+    /// What outweighs all neighbours of a pixel.
+    pub(crate) fn bond(&self, graph: &Graph, p: (usize, usize)) -> i32 {
+        around(&graph.neighbour, p).saturating_add(1)
     }
 
     /// The labels that are painted.
@@ -272,52 +366,16 @@ fn around(neighbour: &Plane<[i32; 4]>, (x, y): (usize, usize)) -> i32 {
     ahead.saturating_add(behind.sum())
 }
 
-/// W - B as the strokes teach it.
-fn learned(drawn: &Plane<Option<bool>>, channels: &Channels, covered: &Plane<bool>) -> Plane<f32> {
-    let planes: Vec<&Plane<f32>> = Channel::ALL.iter().filter_map(|c| channels.get(*c)).collect();
-    let density = |label: bool| -> Vec<Vec<f32>> {
-        planes.iter().map(|plane| density(plane, drawn, covered, label)).collect()
-    };
-    let (white, black) = (density(true), density(false));
-    let (w, h) = drawn.size();
-    let least = -LEAST.ln();
-    Plane::from_fn(w, h, |x, y| {
-        if !covered[(x, y)] || planes.is_empty() {
-            return 0.0;
-        }
-        let cost = |densities: &[Vec<f32>]| -> f32 {
-            let parts = planes.iter().zip(densities);
-            let log =
-                |(plane, p): (&&Plane<f32>, &Vec<f32>)| -p[level(plane[(x, y)])].max(LEAST).ln();
-            parts.map(log).sum::<f32>() / planes.len() as f32
-        };
-        // W is paid when black, B when white; subtracting what both share leaves W - B as it is.
-        let difference = cost(&black) - cost(&white);
-        (difference / least).clamp(-1.0, 1.0)
-    })
-}
-
 fn level(value: f32) -> usize {
     (value.clamp(0.0, 1.0) * (LEVELS - 1) as f32).round() as usize
 }
 
-/// The density of a channel's values under the strokes of a label, at each level (3.10 to 3.13);
-/// uniform without strokes.
-fn density(
-    plane: &Plane<f32>,
-    drawn: &Plane<Option<bool>>,
-    covered: &Plane<bool>,
-    label: bool,
-) -> Vec<f32> {
-    let mut samples = vec![0u64; LEVELS];
-    let painted = drawn.pixels().iter().zip(covered.pixels()).zip(plane.pixels());
-    for ((_, _), value) in painted.filter(|((d, c), _)| **d == Some(label) && **c) {
-        samples[level(*value)] += 1;
-    }
+/// The density of values that occur so often, at each level (3.10 to 3.13); uniform without any.
+fn density(samples: &[u64]) -> Vec<f32> {
     if samples.iter().all(|n| *n == 0) {
         return vec![1.0; LEVELS];
     }
-    normalized(&hats(&samples))
+    normalized(&hats(samples))
 }
 
 /// The sum of a hat around each sample (3.11).
@@ -345,10 +403,9 @@ mod tests {
 
     #[test]
     fn densities_have_unit_area_and_the_shape_of_a_hat() {
-        let plane = Plane::filled(8, 1, 0.5f32);
-        let mask = Plane::filled(8, 1, true);
-        let drawn = Plane::from_fn(8, 1, |x, _| (x < 3).then_some(true));
-        let p = density(&plane, &drawn, &mask, true);
+        let mut samples = vec![0; LEVELS];
+        samples[level(0.5)] = 3;
+        let p = density(&samples);
         let area: f32 = (1..LEVELS).map(|i| 0.5 * (p[i] + p[i - 1])).sum::<f32>() / 255.0;
         assert!((area - 1.0).abs() < 1e-4);
         // A hat of half-width 0.1 and area 1 is 10 high, 5 at half its width, 0 outside.
@@ -356,7 +413,7 @@ mod tests {
         assert!((p[level(0.55)] - 5.0).abs() < 0.3);
         assert_eq!(p[level(0.7)], 0.0);
         // Without strokes: uniform.
-        assert!(density(&plane, &drawn, &mask, false).iter().all(|v| *v == 1.0));
+        assert!(density(&[0; LEVELS]).iter().all(|v| *v == 1.0));
     }
 
     #[test]
@@ -373,6 +430,28 @@ mod tests {
         assert!(w[(2, 0)] < -0.9 && w[(1, 0)] < -0.5 && w[(17, 0)] > 0.9 && w[(18, 0)] > 0.5);
         assert_eq!(w[(10, 0)], 0.0);
         assert!(w.pixels().iter().all(|v| (-1.0..=1.0).contains(v)));
+    }
+
+    #[test]
+    fn lessons_hold_for_other_pictures_and_empty_ones_change_nothing() {
+        let mask = Plane::filled(20, 1, true);
+        let ramp = |turned: bool| {
+            let value = move |x: usize| if turned { 19 - x } else { x } as f32 / 19.0;
+            Channels::single(Channel::Diffuse, Plane::from_fn(20, 1, |x, _| value(x)))
+        };
+        let at = |place: usize| Plane::from_fn(20, 1, |x, _| (x == place).then_some(true));
+        let mut lesson = Lesson::default();
+        let sliders = Plane::filled(20, 1, 0.3);
+        let nothing = Plane::filled(20, 1, None);
+        let mix = |lesson: &Lesson| {
+            Paint::taught(nothing.clone(), lesson, (&ramp(true), &mask), 0.5).mixed(&sliders)
+        };
+        assert_eq!(mix(&lesson), sliders);
+        lesson.add(&at(17), &ramp(false), &mask.map(|_| false));
+        assert!(lesson.is_empty(), "strokes beside all objects");
+        lesson.add(&at(17), &ramp(false), &mask);
+        let mixed = mix(&lesson);
+        assert!(mixed[(2, 0)] > 0.3 && mixed[(17, 0)] < 0.0, "{mixed:?}");
     }
 
     #[test]

@@ -7,20 +7,22 @@
 //!   which is the base colour under the picture's tone; borders cost the same between any two. The
 //!   labelling is found by expansions, whose energy never rises, within a factor 2 of the best.
 //!
-//! Borders follow the geometry as in two colours, and the smallest island holds.
+//! Borders follow the geometry as in two colours, and the smallest island holds. White paint means the
+//! lightest colour, black paint the darkest.
 
+use crate::cel::{Cel, Layer, all_apart, cheapest};
 use crate::cut::Graph;
 use crate::exposure::{Exposure, MOST_STEPS, mixed_tone};
-use crate::film::Cel;
-use crate::island::without_islands_of;
+use crate::island::without_islands;
 use crate::knob::{BinaryKnobs, scaled};
+use crate::paint::Paint;
 use crate::shade::View;
 use crate::terminal::terminal;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
 use chiaro_image::colour::{parse_colour, srgb_decode};
 use chiaro_ink::smooth_coverage;
-use chiaro_mincut::{Distance, LabelGrid, expand, solve_ordered};
+use chiaro_mincut::{Distance, LabelGrid, MAX_PRICE, expand, solve_ordered};
 
 /// The colours of a picture, sRGB-encoded.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,10 +81,24 @@ impl Palette {
 impl Palette {
     /// The place of its lightest colour; 1, paper, of ink and paper.
     pub fn lightest(&self) -> u8 {
+        self.paint()[1]
+    }
+
+    /// The places of its darkest and its lightest colour, of ink and paper of those.
+    pub(crate) fn paint(&self) -> [u8; 2] {
         let lightness = |c: &[f32; 3]| oklab(c.map(srgb_decode))[0];
         let by_lightness = |a: &(usize, f32), b: &(usize, f32)| a.1.total_cmp(&b.1);
-        let all = self.colours().iter().map(lightness).enumerate();
-        all.max_by(by_lightness).map_or(1, |(i, _)| i as u8)
+        let all = || self.colours().iter().map(lightness).enumerate();
+        let darkest = all().min_by(by_lightness).map_or(0, |(i, _)| i as u8);
+        [darkest, all().max_by(by_lightness).map_or(1, |(i, _)| i as u8)]
+    }
+
+    /// What black and white paint mean in its labels. Tones lie in the order that they are given in.
+    fn painted(&self) -> [u8; 2] {
+        match self {
+            Self::Tones(colours) => [0, colours.len().saturating_sub(1) as u8],
+            _ => self.paint(),
+        }
     }
 }
 
@@ -99,26 +115,31 @@ pub struct Coloured {
     pub energy: i64,
 }
 
-/// Labels a view with a palette of tones or spots. `graph` is the picture's in two colours.
+/// Labels a view with a palette of tones or spots. `graph` is the picture's in two colours, `paint`
+/// what is painted on it.
 pub fn colour_regions(
     palette: &Palette,
     view: &View,
     graph: &Graph,
-    exposure: &Exposure,
-    knobs: &BinaryKnobs,
+    (exposure, knobs): (&Exposure, &BinaryKnobs),
+    paint: Option<&Paint>,
 ) -> Result<Coloured> {
     let (width, height) = graph.mask.size();
     let count = palette.colours().len().max(1);
-    let data = match palette {
+    let mut data = match palette {
         Palette::Spots(colours) => spot_prices(colours, view, exposure, knobs, graph),
-        _ => {
-            let knobs = knobs.for_tones(count);
-            let difference = terminal(&view.channels, &graph.mask, exposure, &knobs);
-            tone_prices(count, &difference, exposure, graph)
-        }
+        _ => tone_prices(
+            count,
+            &tone_difference(count, view, exposure, knobs, paint),
+            exposure,
+            graph,
+        ),
     };
+    if let Some(paint) = paint {
+        paint.bind_prices(&mut data, palette, graph);
+    }
     let steps: Vec<i32> = (0..count as i32).collect();
-    let apart: Vec<i32> = (0..count * count).map(|i| i32::from(i / count != i % count)).collect();
+    let apart = all_apart(count);
     let grid = LabelGrid {
         width,
         height,
@@ -138,42 +159,130 @@ pub fn colour_regions(
     let found =
         found.map_err(|e| Error::setting("palette", e, "weights that the cut can add up"))?;
     let labels = Plane::from_pixels(width, height, found.labels);
-    let labels = without_islands_of(&labels, &graph.mask, knobs.island_area(height));
+    let area = knobs.island_area(height);
+    let mut labels = match palette {
+        Palette::Spots(_) => graph.costs(&data, count).without_islands(&labels, area),
+        _ => without_islands(&labels, &graph.mask, area),
+    };
+    if let Some(paint) = paint {
+        labels = keep(labels, &graph.mask, paint.drawn(), palette);
+    }
     Ok(Coloured { labels, energy: found.energy })
 }
 
-/// Terminals for each step from one tone to the next, from dark to light, as a film labels them:
-/// those of two colours whose W - B is lowered by the step.
-pub fn step_terminals(
+/// Labels with what is painted as it is painted.
+fn keep(
+    labels: Plane<u8>,
+    mask: &Plane<bool>,
+    drawn: &Plane<Option<bool>>,
+    palette: &Palette,
+) -> Plane<u8> {
+    let paint = palette.painted();
+    let (w, h) = labels.size();
+    Plane::from_fn(w, h, |x, y| match drawn[(x, y)].filter(|_| mask[(x, y)]) {
+        Some(white) => paint[usize::from(white)],
+        None => labels[(x, y)],
+    })
+}
+
+impl Paint {
+    /// Binds painted pixels to the palette's darkest or lightest colour, tones by as much for each
+    /// step that they are off.
+    fn bind_prices(&self, data: &mut [i32], palette: &Palette, graph: &Graph) {
+        let count = palette.colours().len().max(1);
+        for (p, white) in self.bound(graph) {
+            let own = self.bond(graph, p);
+            let label = palette.painted()[usize::from(white)];
+            let at = (p.1 * graph.mask.width() + p.0) * count;
+            for (l, price) in data[at..at + count].iter_mut().enumerate() {
+                let off = l.abs_diff(label.into());
+                let steps = if matches!(palette, Palette::Spots(_)) { off.min(1) } else { off };
+                *price = own.saturating_mul(steps as i32).min(MAX_PRICE);
+            }
+        }
+    }
+}
+
+/// W - B for so many tones, strokes mixed in.
+fn tone_difference(
     count: usize,
     view: &View,
     exposure: &Exposure,
     knobs: &BinaryKnobs,
-    scale: f32,
-) -> Vec<Plane<[i32; 2]>> {
+    paint: Option<&Paint>,
+) -> Plane<f32> {
     let covered = &view.buffer.covered;
     let difference = terminal(&view.channels, covered, exposure, &knobs.for_tones(count));
-    let terminals = |step: &f32| {
-        let pair = |d: &f32, covered: &bool| {
-            let units = ((d - step).clamp(-4.0, 4.0) * scale).round() as i32;
-            if *covered { [units.max(0), (-units).max(0)] } else { [0; 2] }
-        };
-        difference.zip(covered, pair).expect("one picture, one size")
-    };
-    exposure.steps(count).iter().map(terminals).collect()
+    match paint {
+        Some(paint) => paint.mixed(&difference),
+        None => difference,
+    }
 }
 
-/// The tones of a frame of which each step is labelled: as many steps as are white.
-pub fn toned(steps: &[Plane<bool>], cel: &Cel, knobs: &BinaryKnobs) -> Coloured {
-    let mask = &cel.graph.mask;
-    let mut labels = mask.map(|_| 0);
-    let mut energy = 0;
-    for (white, step) in steps.iter().zip(&cel.steps) {
-        energy += Graph { terminal: step.terminal.clone(), ..cel.graph.clone() }.energy(white);
-        let passed = labels.zip(white, |l, w| l + u8::from(*w));
-        labels = passed.expect("one picture, one size");
+/// What a frame of a film is labelled by instead of its graph in two colours: for tones a layer for
+/// each step, for spots one layer; none for ink and paper, or for one tone.
+pub fn film_layers(
+    palette: &Palette,
+    view: &View,
+    graph: &Graph,
+    (exposure, knobs): (&Exposure, &BinaryKnobs),
+    paint: Option<&Paint>,
+) -> Result<Vec<Layer>> {
+    let count = palette.colours().len();
+    match palette {
+        Palette::Two => Ok(Vec::new()),
+        Palette::Tones(_) => {
+            let difference = tone_difference(count, view, exposure, knobs, paint);
+            let layer = |step: &f32| {
+                let mut graph =
+                    Graph { terminal: stepped(&difference, *step, graph), ..graph.clone() };
+                if let Some(paint) = paint {
+                    paint.bind(&mut graph);
+                }
+                let terminal = graph.terminal.clone();
+                Layer::step(&graph, terminal)
+            };
+            exposure.steps(count).iter().map(layer).collect()
+        }
+        Palette::Spots(colours) => {
+            let mut prices = spot_prices(colours, view, exposure, knobs, graph);
+            if let Some(paint) = paint {
+                paint.bind_prices(&mut prices, palette, graph);
+            }
+            Ok(vec![Layer::unordered(graph, prices, count, palette.painted())?])
+        }
     }
-    let labels = without_islands_of(&labels, mask, knobs.island_area(mask.height()));
+}
+
+/// Terminals of two colours whose W - B is lowered by a step.
+fn stepped(difference: &Plane<f32>, step: f32, graph: &Graph) -> Plane<[i32; 2]> {
+    let pair = |d: &f32, covered: &bool| {
+        let units = ((d - step).clamp(-4.0, 4.0) * graph.scale).round() as i32;
+        if *covered { [units.max(0), (-units).max(0)] } else { [0; 2] }
+    };
+    difference.zip(&graph.mask, pair).expect("one picture, one size")
+}
+
+/// The colours of a frame whose layers are labelled: of tones as many steps as are white.
+pub fn labelled(
+    layers: &[Plane<u8>],
+    cel: &Cel,
+    palette: &Palette,
+    knobs: &BinaryKnobs,
+) -> Coloured {
+    let mask = &cel.graph.mask;
+    let energy = (0..cel.layers.len()).map(|l| cel.energy(l, &layers[l])).sum();
+    if let (Palette::Spots(_), [labels]) = (palette, layers) {
+        return Coloured { labels: labels.clone(), energy };
+    }
+    let mut labels = mask.map(|_| 0);
+    for white in layers.iter().take(cel.layers.len()) {
+        labels = labels.zip(white, |l, w| l + w).expect("one picture, one size");
+    }
+    let mut labels = without_islands(&labels, mask, knobs.island_area(mask.height()));
+    if let Some(drawn) = &cel.painted {
+        labels = keep(labels, mask, drawn, palette);
+    }
     Coloured { labels, energy }
 }
 
@@ -223,12 +332,6 @@ fn spot_prices(
         }
     }
     data
-}
-
-/// The label of the least price at each pixel.
-fn cheapest(data: &[i32], count: usize) -> Vec<u8> {
-    let best = |prices: &[i32]| (0..count).min_by_key(|l| prices[*l]).unwrap_or(0) as u8;
-    data.chunks_exact(count).map(best).collect()
 }
 
 /// Oklab (Ottosson 2020) of linear sRGB.

@@ -3,22 +3,26 @@
 //! 1. Where each frame's own cut agrees with the frame before all along a material point's way
 //!    through the window, and no disagreement is near, the labels stand: the volume to be cut is
 //!    the rest. In films that is a small part, around borders that move and regions that flip.
-//! 2. What stands, in the window or known around it, becomes terminal weight: a bond to a white
-//!    pixel pulls to white by its capacity.
+//! 2. What stands, in the window or known around it, becomes part of the prices: a bond to a white
+//!    pixel makes all but white dearer by its capacity.
 //! 3. The rest is cut exactly, from the start: to begin with the flow of the window before saves a
 //!    tenth of a cut where shapes move within the picture and costs as much where all of it moves,
 //!    since most of the time goes into taking the capacities up.
+//!
+//! More than two labels are found by expansions, beginning with the frames' own.
 //!
 //! Guaranteed: an energy no higher than that of the frames' own cuts, and deterministic labels. Not
 //! guaranteed: the least energy of the whole window, where it would take a change farther than
 //! `MARGIN` from any disagreement.
 
-use crate::film::Cel;
+use crate::cel::{Cel, all_apart};
 use crate::geometry::EDGES;
 use crate::knob::{BinaryKnobs, scaled};
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
-use chiaro_mincut::{Lattice, Links, Neighbours, Solver, TimeLink};
+use chiaro_mincut::{
+    Distance, LabelGrid, LabelStack, Lattice, Links, Neighbours, Solver, TimeLink, expand_stack,
+};
 use chiaro_trace::UNLINKED;
 
 /// How far around a disagreement labels are decided anew, in pixels at 480.
@@ -28,9 +32,9 @@ const MARGIN: f32 = 8.0;
 #[derive(Default)]
 pub(crate) struct Known<'a> {
     /// The labels of the frame before the first.
-    pub(crate) before: Option<&'a Plane<bool>>,
+    pub(crate) before: Option<&'a Plane<u8>>,
     /// The links and the labels of the frame after the last.
-    pub(crate) after: Option<(&'a Plane<u32>, &'a Plane<bool>)>,
+    pub(crate) after: Option<(&'a Plane<u32>, &'a Plane<u8>)>,
 }
 
 /// The labels of a layer of consecutive frames, cut together.
@@ -38,7 +42,7 @@ pub(crate) fn cut_window(
     (cels, layer): (&[&Cel], usize),
     known: &Known,
     knobs: &BinaryKnobs,
-) -> Result<Vec<Plane<bool>>> {
+) -> Result<Vec<Plane<u8>>> {
     let volume = Volume::new((cels, layer), known, knobs);
     let (width, height) = cels[0].graph.mask.size();
     let labels = volume.solve(width, height)?;
@@ -61,12 +65,23 @@ struct Volume<'a> {
     frame: usize,
     /// The capacity of a link.
     link: i32,
+    /// How many labels there are.
+    count: usize,
     /// Each frame's own labels.
-    alone: Vec<bool>,
+    alone: Vec<u8>,
     /// What is decided anew.
     free: Vec<bool>,
-    /// Terminals, with all that stands around.
-    terminal: Vec<[i32; 2]>,
+    /// What each pixel pays for each label, with all that stands around.
+    prices: Vec<i32>,
+}
+
+/// Makes all labels of a pixel but one dearer.
+pub(crate) fn pull(prices: &mut [i32], label: u8, capacity: i32) {
+    for (l, price) in prices.iter_mut().enumerate() {
+        if l != usize::from(label) {
+            *price += capacity;
+        }
+    }
 }
 
 impl<'a> Volume<'a> {
@@ -75,9 +90,10 @@ impl<'a> Volume<'a> {
             cels,
             frame: cels[0].graph.mask.len(),
             link: link_capacity(cels[0], knobs),
-            alone: cels.iter().flat_map(|c| c.own(layer).pixels()).copied().collect(),
+            count: cels[0].count(layer),
+            alone: cels.iter().flat_map(|c| c.own(layer).0.pixels()).copied().collect(),
             free: Vec::new(),
-            terminal: cels.iter().flat_map(|c| c.terminal(layer).pixels()).copied().collect(),
+            prices: cels.iter().flat_map(|c| c.prices(layer)).copied().collect(),
         };
         volume.free = volume.disagreements(known);
         volume.spread_along_links();
@@ -113,8 +129,8 @@ impl<'a> Volume<'a> {
         }
         if let Some((links, labels)) = known.after {
             let last = self.alone.len() - self.frame;
-            for (to, white) in links.pixels().iter().zip(labels.pixels()) {
-                if *to != UNLINKED && self.alone[last + *to as usize] != *white {
+            for (to, label) in links.pixels().iter().zip(labels.pixels()) {
+                if *to != UNLINKED && self.alone[last + *to as usize] != *label {
                     marked[last + *to as usize] = true;
                 }
             }
@@ -160,25 +176,30 @@ impl<'a> Volume<'a> {
         if let Some(before) = known.before {
             for (p, to) in self.cels[0].links.pixels().iter().enumerate() {
                 if *to != UNLINKED {
-                    self.terminal[p][usize::from(!before.pixels()[*to as usize])] += self.link;
+                    self.draw(p, before.pixels()[*to as usize], self.link);
                 }
             }
         }
         if let Some((links, labels)) = known.after {
             let last = self.alone.len() - self.frame;
-            for (to, white) in links.pixels().iter().zip(labels.pixels()) {
+            for (to, label) in links.pixels().iter().zip(labels.pixels()) {
                 if *to != UNLINKED {
-                    self.terminal[last + *to as usize][usize::from(!white)] += self.link;
+                    self.draw(last + *to as usize, *label, self.link);
                 }
             }
         }
     }
 
-    /// A bond between what stands and what is free pulls the free one.
-    fn pull(&mut self, p: usize, q: usize, capacity: i32) {
+    /// Draws a pixel to a label.
+    fn draw(&mut self, p: usize, label: u8, capacity: i32) {
+        pull(&mut self.prices[p * self.count..][..self.count], label, capacity);
+    }
+
+    /// A bond between what stands and what is free draws the free one.
+    fn bind(&mut self, p: usize, q: usize, capacity: i32) {
         if self.free[p] != self.free[q] {
             let (free, stands) = if self.free[p] { (p, q) } else { (q, p) };
-            self.terminal[free][usize::from(!self.alone[stands])] += capacity;
+            self.draw(free, self.alone[stands], capacity);
         }
     }
 
@@ -193,7 +214,7 @@ impl<'a> Volume<'a> {
                     if u < width && v < height && mask.pixels()[p] && mask[(u, v)] {
                         let start = i * self.frame;
                         let capacity = cel.graph.neighbour.pixels()[p][e];
-                        self.pull(start + p, start + v * width + u, capacity);
+                        self.bind(start + p, start + v * width + u, capacity);
                     }
                 }
             }
@@ -203,17 +224,16 @@ impl<'a> Volume<'a> {
     fn pull_of_links(&mut self) {
         let links: Vec<(usize, usize)> = self.links().collect();
         for (p, q) in links {
-            self.pull(p, q, self.link);
+            self.bind(p, q, self.link);
         }
     }
 
     /// The labels of all frames. What is free is cut within the box that holds it in every frame.
-    fn solve(self, width: usize, height: usize) -> Result<Vec<bool>> {
+    fn solve(self, width: usize, height: usize) -> Result<Vec<u8>> {
         let nodes = self.cels.iter().flat_map(|c| c.graph.mask.pixels());
         let free: Vec<bool> = nodes.zip(&self.free).map(|(m, f)| *m && *f).collect();
         let Some(crop) = Crop::around(&free, width, height) else { return Ok(self.alone) };
         let mask = crop.of(&free);
-        let terminal = crop.of(&self.terminal);
         let neighbour: Vec<[i32; 4]> =
             self.cels.iter().flat_map(|c| crop.of(c.graph.neighbour.pixels())).collect();
         let mut time: Vec<Option<TimeLink>> = vec![None; mask.len()];
@@ -221,23 +241,72 @@ impl<'a> Volume<'a> {
             let to = (crop.place(q) % crop.pixels()) as u32;
             time[crop.place(p)] = Some(TimeLink { to, capacity: [self.link; 2] });
         }
+        let found = match self.count {
+            2 => self.cut(&crop, &mask, &neighbour, &time)?,
+            _ => self.expanded(&crop, &mask, &neighbour, &time)?,
+        };
+        let mut labels = self.alone;
+        for (p, label) in labels.iter_mut().enumerate().filter(|(p, _)| free[*p]) {
+            *label = found[crop.place(p)];
+        }
+        Ok(labels)
+    }
+
+    /// Two labels, by one cut.
+    fn cut(
+        &self,
+        crop: &Crop,
+        mask: &[bool],
+        neighbour: &[[i32; 4]],
+        time: &[Option<TimeLink>],
+    ) -> Result<Vec<u8>> {
+        let terminal = crop.of(self.prices.as_chunks::<2>().0);
         let lattice = Lattice {
             width: crop.size.0,
             height: crop.size.1,
             frames: self.cels.len(),
-            mask: &mask,
+            mask,
             terminal: &terminal,
-            neighbours: Neighbours::Eight(Links::Symmetric(&neighbour)),
-            time: &time,
+            neighbours: Neighbours::Eight(Links::Symmetric(neighbour)),
+            time,
             fixed: &[],
         };
         let solver = Solver::new(&lattice)
             .map_err(|e| Error::setting("window", e, "a window that the cut can hold"))?;
-        let mut labels = self.alone;
-        for (p, label) in labels.iter_mut().enumerate().filter(|(p, _)| free[*p]) {
-            *label = solver.labels()[crop.place(p)];
-        }
-        Ok(labels)
+        Ok(solver.labels().iter().map(|w| u8::from(*w)).collect())
+    }
+
+    /// More labels, by expansions.
+    fn expanded(
+        &self,
+        crop: &Crop,
+        mask: &[bool],
+        neighbour: &[[i32; 4]],
+        time: &[Option<TimeLink>],
+    ) -> Result<Vec<u8>> {
+        let prices = |frame: usize, p: usize| {
+            let at = (frame * self.frame + p) * self.count;
+            &self.prices[at..at + self.count]
+        };
+        let frames = 0..self.cels.len();
+        let data: Vec<i32> = frames
+            .flat_map(|f| crop.pixels_of_frame().flat_map(move |p| prices(f, p)))
+            .copied()
+            .collect();
+        let apart = all_apart(self.count);
+        let grid = LabelGrid {
+            width: crop.size.0,
+            height: crop.size.1 * self.cels.len(),
+            labels: self.count,
+            mask,
+            data: &data,
+            neighbour,
+            distance: Distance::Metric(&apart),
+        };
+        let stack = LabelStack { grid, frames: self.cels.len(), time };
+        let found = expand_stack(&stack, &crop.of(&self.alone))
+            .map_err(|e| Error::setting("window", e, "a window that the cut can hold"))?;
+        Ok(found.labelling.labels)
     }
 }
 
@@ -271,6 +340,12 @@ impl Crop {
 
     fn pixels(&self) -> usize {
         self.size.0 * self.size.1
+    }
+
+    /// The places in a whole frame of its pixels, row by row.
+    fn pixels_of_frame(&self) -> impl Iterator<Item = usize> + '_ {
+        let row = |y: usize| (y * self.frame.0 + self.first.0..).take(self.size.0);
+        (self.first.1..self.first.1 + self.size.1).flat_map(row)
     }
 
     /// Where a pixel of the volume is in the cropped one.

@@ -2,7 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic, also in its own functions")]
 
 use chiaro_basis::{Run, random};
-use chiaro_binary::{BLOCK, BinaryKnobs, Cel, Film, Flicker, Graph, Plan, Shown, toned};
+use chiaro_binary::{
+    BLOCK, BinaryKnobs, Cel, Film, Flicker, Graph, Layer, Palette, Plan, Shown,
+    labelled as coloured,
+};
 use chiaro_image::Plane;
 use chiaro_trace::UNLINKED;
 
@@ -39,7 +42,7 @@ fn labelled(
     plan: Plan,
     knobs: &BinaryKnobs,
     chosen: impl Fn(usize) -> bool,
-) -> Vec<(usize, Plane<bool>)> {
+) -> Vec<(usize, Plane<u8>)> {
     let mut film: Film<'_, Made> = Film::new(plan, knobs);
     let mut out = Vec::new();
     for start in (0..plan.frames).step_by(BLOCK).filter(|s| chosen(s / BLOCK)) {
@@ -49,7 +52,7 @@ fn labelled(
             assert!(needed.contains(&i), "frame {i} is not among {needed:?}");
             Ok(Made(cel(i, knobs)))
         };
-        let mut done = |i: usize, _: &Made, labels: &[Plane<bool>]| {
+        let mut done = |i: usize, _: &Made, labels: &[Plane<u8>]| {
             out.push((i, labels[0].clone()));
             Ok(())
         };
@@ -80,17 +83,17 @@ fn a_part_of_a_film_has_the_labels_of_the_whole() {
 fn flicker(knobs: &BinaryKnobs) -> [Flicker; 2] {
     let plan = Plan { frames: 2 * BLOCK, window: knobs.window as usize };
     let mut sums = [Flicker::default(), Flicker::default()];
-    for (i, white) in labelled(plan, knobs, |_| true) {
+    for (i, labels) in labelled(plan, knobs, |_| true) {
         let cel = cel(i, knobs);
-        let alone = &cel.alone;
-        for (sum, white) in sums.iter_mut().zip([&white, &alone.white]) {
+        let (alone, cut) = cel.own(0);
+        for (sum, labels) in sums.iter_mut().zip([&labels, alone]) {
             let shown = Shown {
-                white,
+                labels,
                 covered: &cel.graph.mask,
                 links: &cel.links,
-                alone: &alone.white,
-                tone: &alone.white,
-                energy: [cel.graph.energy(white), alone.cut],
+                alone,
+                tone: &cel.wanted(0),
+                energy: [cel.energy(0, labels), cut],
             };
             sum.add(i, &shown);
         }
@@ -122,18 +125,77 @@ fn islands_are_gone_from_every_frame() {
 
 /// A frame in three tones whose last column is painted white.
 fn toned_cel(frame: usize, knobs: &BinaryKnobs) -> Cel {
-    let plain = cel(frame, knobs);
-    let shifted = |step: i32| {
-        plain.graph.terminal.map(|[w, b]| {
+    let mut toned = cel(frame, knobs);
+    let painted = |x: usize| x + 1 == SIZE.0;
+    let layer = |step: i32| {
+        let graph = &toned.graph;
+        let terminal = Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let [w, b] = graph.terminal[(x, y)];
             let pull = w - b - step;
-            [pull.max(0), (-pull).max(0)]
-        })
+            if painted(x) { [60_000, 0] } else { [pull.max(0), (-pull).max(0)] }
+        });
+        Layer::step(graph, terminal).unwrap()
     };
-    let terminals = vec![shifted(-600), shifted(600)];
-    let painted = Plane::from_fn(SIZE.0, SIZE.1, |x, _| (x + 1 == SIZE.0).then_some(true));
-    let mut toned = plain.in_tones(terminals).unwrap();
-    toned.painted = Some(painted);
+    toned.layers = vec![layer(-600), layer(600)];
+    toned.painted = Some(Plane::from_fn(SIZE.0, SIZE.1, |x, _| painted(x).then_some(true)));
     toned
+}
+
+/// A frame in three spot colours whose first column is painted black, the second colour.
+fn spotted_cel(frame: usize, knobs: &BinaryKnobs) -> Cel {
+    let mut spotted = cel(frame, knobs);
+    let graph = &spotted.graph;
+    let painted = |i: usize| i.is_multiple_of(SIZE.0);
+    let prices = graph.terminal.pixels().iter().enumerate().flat_map(|(i, [white, black])| {
+        let pull = white - black;
+        let own = [(pull + 900).abs(), pull.abs(), (pull - 900).abs()];
+        if painted(i) { [60_000, 0, 60_000] } else { own }
+    });
+    let layer = Layer::unordered(graph, prices.collect(), 3, [1, 2]).unwrap();
+    spotted.layers = vec![layer];
+    spotted.painted = Some(Plane::from_fn(SIZE.0, SIZE.1, |x, _| (x == 0).then_some(false)));
+    spotted
+}
+
+#[test]
+fn spots_follow_the_motion_and_paint_stays() {
+    let knobs = BinaryKnobs { island: 300.0, ..BinaryKnobs::default() };
+    let plan = Plan { frames: BLOCK + 4, window: 5 };
+    let mut film: Film<'_, Made> = Film::new(plan, &knobs);
+    let mut sums = [Flicker::default(), Flicker::default()];
+    let mut seen = [0; 3];
+    for block in [plan.block(0), plan.block(BLOCK)] {
+        let mut done = |i: usize, made: &Made, layers: &[Plane<u8>]| {
+            let (cel, labels) = (&made.0, &layers[0]);
+            let (alone, energy) = cel.own(0);
+            assert_eq!(cel.energy(0, alone), energy);
+            for (sum, labels) in sums.iter_mut().zip([labels, alone]) {
+                sum.add(
+                    i,
+                    &Shown {
+                        labels,
+                        covered: &cel.graph.mask,
+                        links: &cel.links,
+                        alone,
+                        tone: &cel.wanted(0),
+                        energy: [cel.energy(0, labels), energy],
+                    },
+                );
+            }
+            for (p, label) in labels.pixels().iter().enumerate() {
+                if cel.graph.mask.pixels()[p] {
+                    seen[usize::from(*label)] += 1;
+                    assert!(!p.is_multiple_of(SIZE.0) || *label == 1, "paint is gone");
+                }
+            }
+            Ok(())
+        };
+        let mut fetch = |i| Ok(Made(spotted_cel(i, &knobs)));
+        film.label(&block, &mut fetch, &mut done, &Run::default()).unwrap();
+    }
+    assert!(seen.iter().all(|n| *n > 100), "{seen:?}");
+    let [film, alone] = sums;
+    assert!(2 * film.reversals < alone.reversals, "{} {}", film.reversals, alone.reversals);
 }
 
 #[test]
@@ -141,14 +203,15 @@ fn tones_are_nested_and_paint_stays() {
     let knobs = BinaryKnobs::default();
     let plan = Plan { frames: BLOCK + 4, window: 5 };
     let mut film: Film<'_, Made> = Film::new(plan, &knobs);
+    let palette = Palette::Tones(vec![[0.0; 3], [0.5; 3], [1.0; 3]]);
     let mut levels = [0; 3];
     for block in [plan.block(0), plan.block(BLOCK)] {
-        let mut done = |_: usize, made: &Made, steps: &[Plane<bool>]| {
+        let mut done = |_: usize, made: &Made, steps: &[Plane<u8>]| {
             let mask = &made.0.graph.mask;
-            let tones = toned(steps, &made.0, &knobs).labels;
+            let tones = coloured(steps, &made.0, &palette, &knobs).labels;
             for (i, tone) in tones.pixels().iter().enumerate().filter(|(i, _)| mask.pixels()[*i]) {
                 levels[usize::from(*tone)] += 1;
-                let [dark, light] = [0, 1].map(|step| steps[step].pixels()[i]);
+                let [dark, light] = [0, 1].map(|step| steps[step].pixels()[i] == 1);
                 assert!(dark || !light, "lighter than light, not lighter than dark");
                 assert!((i + 1) % SIZE.0 != 0 || (dark && light), "paint is gone");
             }

@@ -11,9 +11,11 @@ mod expansion;
 mod layered;
 mod nested;
 mod ordered;
+mod stack;
 
-pub use expansion::{Expansion, expand};
+pub use expansion::{Expansion, expand, expand_stack};
 pub use ordered::solve_ordered;
+pub use stack::LabelStack;
 
 use crate::grid::{Grid, GridError};
 use crate::sparse::GraphError;

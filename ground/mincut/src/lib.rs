@@ -92,8 +92,8 @@ pub use dimacs::{DimacsError, MaxFlow, MaxFlowSolution, read_dimacs};
 pub use family::Family;
 pub use grid::{Grid, GridError, MAX_NEIGHBOUR, MAX_PIXELS, energy};
 pub use labels::{
-    Distance, Expansion, LabelError, LabelGrid, Labelling, MAX_LABELS, MAX_PRICE, expand,
-    solve_ordered,
+    Distance, Expansion, LabelError, LabelGrid, LabelStack, Labelling, MAX_LABELS, MAX_PRICE,
+    expand, expand_stack, solve_ordered,
 };
 pub use lattice::{LINK_STEPS, Lattice, Links, Neighbours, TimeLink};
 pub use proof::{solve_flow, verify_grid, verify_lattice};

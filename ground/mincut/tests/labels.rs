@@ -1,7 +1,8 @@
 //! Families of cuts against cuts one by one, and labellings against all there are.
 
 use chiaro_mincut::{
-    Distance, Family, Grid, LabelError, LabelGrid, Labelling, expand, solve, solve_ordered,
+    Distance, Family, Grid, LabelError, LabelGrid, LabelStack, Labelling, Lattice, Links,
+    Neighbours, Solver, TimeLink, expand, expand_stack, solve, solve_ordered,
 };
 use proptest::prelude::*;
 
@@ -260,4 +261,79 @@ fn what_is_no_label_problem_is_said() {
     ];
     assert!(distances.iter().all(|e| matches!(e, LabelError::Distance(_))), "{distances:?}");
     assert_eq!(expand(&grid, &[0, 2]).unwrap_err(), LabelError::Labels(3));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
+
+    /// Two labels are one cut; more are never dearer than the start, and no single move helps.
+    #[test]
+    fn stacks_of_frames_are_labelled_through_time(
+        problem in problem(),
+        frames in 1..=3_usize,
+        seed in any::<u32>(),
+    ) {
+        let Problem { width, height, .. } = problem;
+        let (mask, neighbour, terminal) = (
+            (0..frames).flat_map(|_| problem.mask.clone()).collect::<Vec<_>>(),
+            (0..frames).flat_map(|_| problem.neighbour.clone()).collect::<Vec<_>>(),
+            (0..frames).flat_map(|f| {
+                let turned = move |[w, b]: [i32; 2]| if f % 2 == 0 { [w, b] } else { [b, w] };
+                problem.terminal.clone().into_iter().map(turned)
+            }).collect::<Vec<_>>(),
+        );
+        let frame = width * height;
+        let random = |p: usize| (p as u32).wrapping_mul(2_654_435_761).wrapping_add(seed) >> 7;
+        let time: Vec<Option<TimeLink>> = (0..mask.len())
+            .map(|p| {
+                let capacity = [(random(p) % 7) as i32; 2];
+                let linked = p >= frame && random(p) % 5 > 0;
+                linked.then_some(TimeLink { to: random(p + 99) % frame as u32, capacity })
+            })
+            .collect();
+        let lattice = Lattice {
+            width,
+            height,
+            frames,
+            mask: &mask,
+            terminal: &terminal,
+            neighbours: Neighbours::Eight(Links::Symmetric(&neighbour)),
+            time: &time,
+            fixed: &[],
+        };
+        let data: Vec<i32> = terminal.iter().flatten().copied().collect();
+        let grid = LabelGrid {
+            width,
+            height: height * frames,
+            labels: 2,
+            mask: &mask,
+            data: &data,
+            neighbour: &neighbour,
+            distance: Distance::Metric(&[0, 1, 1, 0]),
+        };
+        let stack = LabelStack { grid, frames, time: &time };
+        let start = vec![0; mask.len()];
+        let found = expand_stack(&stack, &start).unwrap();
+        prop_assert_eq!(found.labelling.energy, Solver::new(&lattice).unwrap().flow());
+        prop_assert_eq!(stack.energy(&found.labelling.labels), found.labelling.energy);
+
+        let third = |[w, b]: &[i32; 2]| [*w, *b, (w + b) / 2];
+        let data: Vec<i32> = terminal.iter().flat_map(third).collect();
+        let apart = [0, 1, 1, 1, 0, 1, 1, 1, 0];
+        let grid = LabelGrid { labels: 3, data: &data, distance: Distance::Metric(&apart), ..grid };
+        let stack = LabelStack { grid, frames, time: &time };
+        let found = expand_stack(&stack, &start).unwrap();
+        prop_assert!(found.energies.windows(2).all(|e| e[1] < e[0]));
+        for p in (0..mask.len()).filter(|p| mask[*p]) {
+            for label in 0..3 {
+                let mut other = found.labelling.labels.clone();
+                other[p] = label;
+                prop_assert!(stack.energy(&other) >= found.labelling.energy);
+            }
+        }
+        if frames > 1 {
+            let broken = LabelStack { frames: mask.len() + 1, ..stack };
+            prop_assert!(expand_stack(&broken, &start).is_err());
+        }
+    }
 }

@@ -7,14 +7,14 @@
 
 use crate::disk;
 use crate::record::Record;
+use crate::sequence::numbered;
 use chiaro_basis::{Error, Result, Run};
 use chiaro_binary::{Flicker, Shown};
 use chiaro_image::Plane;
 use chiaro_image::codec::{ExrImage, Format, Limits, read_components, read_exr, read_pbm};
 use chiaro_trace::UNLINKED;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Share of a pixel's depth within which the depth one frame before counts as the same surface.
 const SAME_DEPTH: f32 = 0.02;
@@ -40,18 +40,18 @@ pub fn compare_films(a: &Path, b: &Path, motion: &Path, run: &Run) -> Result<Rec
         let layers = run.stage("load", 1, || Layers::read(&flow[&n]))?;
         let links = layers.links(depth_before.as_ref());
         for (sum, file) in sums.iter_mut().zip([&of_a[&n], &of_b[&n]]) {
-            let white = run.stage("load", 1, || labels(file))?;
-            if white.size() != layers.depth.size() {
+            let labels = run.stage("load", 1, || labels(file))?;
+            if labels.size() != layers.depth.size() {
                 let why = "its size is not that of the motion; render both at one size";
                 return Err(Error::input(file.display().to_string(), "", why));
             }
             let covered = layers.depth.map(|z| is_seen(*z));
             let shown = Shown {
-                white: &white,
+                labels: &labels,
                 covered: &covered,
                 links: &links,
-                alone: &white,
-                tone: &white,
+                alone: &labels,
+                tone: &labels,
                 energy: [0; 2],
             };
             sum.add(n as usize, &shown);
@@ -77,54 +77,17 @@ fn measures(flicker: &Flicker) -> Value {
     })
 }
 
-/// The numbered files of a folder or of a pattern.
-fn numbered(path: &Path) -> Result<BTreeMap<u32, PathBuf>> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let pattern = name.contains('#');
-    let (folder, before, after) = if pattern {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        let first = name.find('#').unwrap_or(0);
-        let last = name.rfind('#').unwrap_or(0);
-        (folder.unwrap_or(Path::new(".")), name[..first].to_owned(), name[last + 1..].to_owned())
-    } else {
-        (path, String::new(), String::new())
-    };
-    let entries = std::fs::read_dir(folder)
-        .map_err(|e| Error::input(folder.display().to_string(), "", e.to_string()))?;
-    let mut files = BTreeMap::new();
-    for file in entries.filter_map(|e| Some(e.ok()?.path())).filter(|p| p.is_file()) {
-        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let number = if pattern {
-            name.strip_prefix(&before).and_then(|n| n.strip_suffix(&after)).map(str::to_owned)
-        } else {
-            let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let digits = stem.len() - stem.bytes().rev().take_while(u8::is_ascii_digit).count();
-            Some(stem[digits..].to_owned())
-        };
-        if let Some(n) = number.and_then(|n| n.parse().ok()) {
-            files.insert(n, file);
-        }
-    }
-    match files.is_empty() {
-        true => {
-            let why = "no numbered file there; name a folder of frames, or a pattern with #";
-            Err(Error::input(path.display().to_string(), "", why))
-        }
-        false => Ok(files),
-    }
-}
-
-/// White where the displayed luminance is at least one half.
-fn labels(file: &Path) -> Result<Plane<bool>> {
+/// 1, white, where the displayed luminance is at least one half.
+fn labels(file: &Path) -> Result<Plane<u8>> {
     let bytes = disk::read(file)?;
     let name = file.display().to_string();
     if Format::of(&bytes) == Some(Format::Pbm) {
-        return read_pbm(&bytes, &name, &Limits::default());
+        return Ok(read_pbm(&bytes, &name, &Limits::default())?.map(|white| u8::from(*white)));
     }
     let picture = read_components(&bytes, &name, &Limits::default())?;
     Ok(picture.map(|[r, g, b, a]| {
         let value = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-        value * a + 1.0 - a >= 0.5
+        u8::from(value * a + 1.0 - a >= 0.5)
     }))
 }
 
@@ -177,6 +140,7 @@ fn is_seen(depth: f32) -> bool {
 mod tests {
     use super::*;
     use chiaro_image::codec::{ExrChannel, write_exr, write_pbm};
+    use std::collections::BTreeMap;
 
     /// A square that moves a pixel to the right each frame; in film `b` it also blinks.
     fn write(folder: &Path) {

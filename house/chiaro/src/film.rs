@@ -74,7 +74,7 @@ fn extension(path: &Path) -> String {
 }
 
 /// The name with its first run of `#` replaced by the number, padded with zeros.
-fn numbered(name: &str, frame: u32) -> String {
+pub(crate) fn numbered(name: &str, frame: u32) -> String {
     let Some(start) = name.find('#') else { return name.into() };
     let digits = name[start..].chars().take_while(|c| *c == '#').count();
     format!("{}{frame:0digits$}{}", &name[..start], &name[start + digits..])

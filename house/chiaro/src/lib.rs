@@ -28,6 +28,7 @@ pub mod painting;
 mod pattern;
 pub mod project;
 pub mod record;
+mod sequence;
 pub mod style;
 pub mod vector;
 pub mod write;

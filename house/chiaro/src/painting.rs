@@ -3,7 +3,7 @@
 use crate::disk;
 use crate::write;
 use chiaro_basis::{Error, Result};
-use chiaro_binary::{Paint, Strokes, View};
+use chiaro_binary::{Lesson, Paint, Strokes, View};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -34,10 +34,37 @@ impl Painting {
         Ok(Self { strokes: Strokes::parse(&name, &text)?, hash, blend })
     }
 
-    /// What the strokes of a frame do to its view.
-    pub fn paint(&self, view: &View, frame: u32) -> Paint {
+    /// The frames of a shot that strokes are on, of those that all frames' strokes are on the
+    /// `sampled`.
+    pub(crate) fn lessons(&self, shot: &[u32], sampled: &[u32]) -> Vec<u32> {
+        let (mut frames, everywhere) = self.strokes.frames();
+        frames.retain(|frame| shot.contains(frame));
+        if everywhere {
+            frames.extend(sampled);
+        }
+        frames.sort_unstable();
+        frames.dedup();
+        frames
+    }
+
+    /// Adds what the strokes of a frame teach.
+    pub(crate) fn teach(&self, lesson: &mut Lesson, view: &View, frame: u32) {
         let covered = &view.buffer.covered;
-        Paint::learn(self.strokes.drawn(covered.size(), frame), &view.channels, covered, self.blend)
+        lesson.add(&self.strokes.drawn(covered.size(), frame), &view.channels, covered);
+    }
+
+    /// What the strokes of a frame do to its view, where nothing was learned elsewhere.
+    pub fn paint(&self, view: &View, frame: u32) -> Paint {
+        let mut lesson = Lesson::default();
+        self.teach(&mut lesson, view, frame);
+        self.taught(view, frame, &lesson)
+    }
+
+    /// What the strokes of a frame, and a lesson, do to its view.
+    pub(crate) fn taught(&self, view: &View, frame: u32, lesson: &Lesson) -> Paint {
+        let covered = &view.buffer.covered;
+        let drawn = self.strokes.drawn(covered.size(), frame);
+        Paint::taught(drawn, lesson, (&view.channels, covered), self.blend)
     }
 
     /// For recipes.

@@ -7,8 +7,8 @@
 //! brings nothing: the energy never rises, and ends within twice the ratio of the largest to the
 //! smallest distance of the best.
 
-use super::{Distance, LabelError, LabelGrid, Labelling};
-use crate::lattice::{Lattice, Links, Neighbours};
+use super::{Distance, LabelError, LabelGrid, LabelStack, Labelling};
+use crate::lattice::{Lattice, Links, Neighbours, TimeLink};
 use crate::solver::Solver;
 
 /// A labelling that no expansion improves.
@@ -46,7 +46,16 @@ pub struct Expansion {
 ///
 /// [`solve_ordered`]: crate::solve_ordered
 pub fn expand(grid: &LabelGrid, start: &[u8]) -> Result<Expansion, LabelError> {
-    grid.check()?;
+    expand_stack(&LabelStack { grid: *grid, frames: 1, time: &[] }, start)
+}
+
+/// [`expand`] for a stack of frames, whose pixels are linked to those of the frame before.
+///
+/// # Errors
+/// What [`LabelError`] lists.
+pub fn expand_stack(stack: &LabelStack, start: &[u8]) -> Result<Expansion, LabelError> {
+    stack.check()?;
+    let grid = &stack.grid;
     if let Distance::Convex(_) = grid.distance {
         return Err(LabelError::Distance(
             "convex distances may allow detours; solve them in order",
@@ -61,15 +70,15 @@ pub fn expand(grid: &LabelGrid, start: &[u8]) -> Result<Expansion, LabelError> {
     }
     let clear = |(&label, &node): (&u8, &bool)| if node { label } else { 0 };
     let mut labels: Vec<u8> = start.iter().zip(grid.mask).map(clear).collect();
-    let mut energies = vec![grid.energy(&labels)];
+    let mut energies = vec![stack.energy(&labels)];
     let mut idle = 0;
     for alpha in (0..grid.labels).cycle() {
         if idle == grid.labels {
             break;
         }
         idle += 1;
-        let moved = best_move(grid, &labels, alpha)?;
-        let energy = grid.energy(&moved);
+        let moved = best_move(stack, &labels, alpha)?;
+        let energy = stack.energy(&moved);
         if energy < energies[energies.len() - 1] {
             energies.push(energy);
             labels = moved;
@@ -81,33 +90,41 @@ pub fn expand(grid: &LabelGrid, start: &[u8]) -> Result<Expansion, LabelError> {
 }
 
 /// The labels after the best expansion of `alpha`; of several the one that changes the least.
-fn best_move(grid: &LabelGrid, labels: &[u8], alpha: usize) -> Result<Vec<u8>, LabelError> {
-    let between = |a: usize, b: usize| grid.distance.between(grid.labels, a, b);
+fn best_move(stack: &LabelStack, labels: &[u8], alpha: usize) -> Result<Vec<u8>, LabelError> {
+    let grid = &stack.grid;
     // What draws a pixel to alpha: what it pays for the label it keeps, less what for alpha.
     let pull = |p: usize| grid.price(p, labels[p].into()) - grid.price(p, alpha);
     let mut pull: Vec<i64> = (0..labels.len()).map(pull).collect();
-    let mut links = vec![[[0; 2]; 4]; labels.len()];
-    for (p, link, q) in grid.edges() {
+    let mut bind = |p: usize, q: usize, weight: i64| {
         let (a, b) = (usize::from(labels[p]), usize::from(labels[q]));
-        let weight = i64::from(grid.neighbour[p][link]);
+        let between = |a: usize, b: usize| weight * grid.distance.between(grid.labels, a, b);
         let [keep, first_keeps, second_keeps] =
-            [between(a, b), between(a, alpha), between(alpha, b)].map(|d| weight * d);
+            [between(a, b), between(a, alpha), between(alpha, b)];
         // keep + (second_keeps - keep) [p takes] - second_keeps [q takes]
         //      + (first_keeps + second_keeps - keep) [p keeps and q takes]
         pull[p] += keep - second_keeps;
         pull[q] += second_keeps;
-        links[p][link][1] = (first_keeps + second_keeps - keep) as i32;
+        [0, (first_keeps + second_keeps - keep) as i32]
+    };
+    let mut links = vec![[[0; 2]; 4]; labels.len()];
+    for (p, link, q) in stack.edges() {
+        links[p][link] = bind(p, q, grid.neighbour[p][link].into());
+    }
+    let mut time = stack.time.to_vec();
+    for (p, q, weight) in stack.time_edges() {
+        let to = (q % stack.frame()) as u32;
+        time[p] = Some(TimeLink { to, capacity: bind(p, q, weight) });
     }
     let terminal: Vec<[i32; 2]> =
         pull.iter().map(|&p| [p.max(0), (-p).max(0)].map(|p| p as i32)).collect();
     let solver = Solver::new(&Lattice {
         width: grid.width,
-        height: grid.height,
-        frames: 1,
+        height: grid.height / stack.frames,
+        frames: stack.frames,
         mask: grid.mask,
         terminal: &terminal,
         neighbours: Neighbours::Eight(Links::Directed(&links)),
-        time: &[],
+        time: &time,
         fixed: &[],
     })?;
     let label = |(&label, &takes): (&u8, &bool)| if takes { alpha as u8 } else { label };

@@ -22,7 +22,7 @@ use crate::record::{Record, frame_recipe, knob_settings};
 use crate::style::Style;
 use crate::vector::Print;
 use chiaro_basis::{Result, Run};
-use chiaro_binary::{BinaryKnobs, Exposure, Palette};
+use chiaro_binary::{BinaryKnobs, Exposure};
 use reel::Labelling;
 use serde_json::{Map, Value};
 use std::path::PathBuf;
@@ -101,7 +101,7 @@ impl Job<'_> {
         let encoding = Encoding::of(&self.target)?;
         let mut record = Record::new("binary");
         let mut shot = Shot::survey(self.project, self.look.knobs, run)?;
-        shot.painting = self.look.painting.clone();
+        shot.paint(self.look.painting.clone(), run)?;
         let mut settings = shot.view_settings();
         settings.extend(self.look.settings(&shot.exposure, encoding));
         let recipe = |number| frame_recipe("binary", settings.clone(), number);
@@ -156,19 +156,9 @@ pub(crate) fn shoot(
     deliver: &mut dyn FnMut(u32, Picture) -> Result<()>,
     run: &Run,
 ) -> Result<Map<String, Value>> {
-    let is_film = shot.project.shot().len() > 1;
-    let alone = match shot.palette(colours)? {
-        Palette::Tones(_) if shot.painting.is_some() => Some("strokes on a palette"),
-        Palette::Two | Palette::Tones(_) => None,
-        Palette::Spots(_) => Some("a palette of spot colours"),
-    };
-    let labelling = Labelling::of(&shot.knobs);
-    let in_tones = !shot.palette(colours)?.colours().is_empty();
-    if is_film && alone.is_none() && !(in_tones && labelling == Labelling::Alone) {
+    if shot.project.shot().len() > 1 {
+        let labelling = Labelling::of(&shot.knobs);
         return reel::shoot(shot, colours, (numbers, labelling), deliver, run);
-    }
-    if let Some(why) = alone.filter(|_| is_film && labelling == Labelling::Windows) {
-        run.warn(format!("{why}: each frame is on its own"));
     }
     let poser = shot.project.poser();
     for &number in numbers {

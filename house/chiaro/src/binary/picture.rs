@@ -5,7 +5,7 @@ use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
     BinaryKnobs, Coloured, Exposure, Features, Graph, Labels, Lines, Marks, Paint, Palette, Steps,
-    View, colour_regions, compose, is_light, outline, prepare, tint,
+    View, colour_regions, compose, is_light, outline, prepare, scaled, tint,
 };
 use chiaro_image::Plane;
 use chiaro_image::colour::to_byte;
@@ -32,7 +32,7 @@ pub(crate) fn draw(
             let mut steps = prepared.cut(paint, paper, knobs, run)?;
             let pixels = view.buffer.covered.len() as u64;
             let mut coloured = run.stage("cut", pixels, || {
-                colour_regions(palette, &view, &steps.graph, exposure, knobs)
+                colour_regions(palette, &view, &steps.graph, (exposure, knobs), paint)
             })?;
             coloured.labels = features.lightened(&coloured.labels, palette.lightest());
             let covered = &view.buffer.covered;
@@ -130,6 +130,12 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Draws the lines of a map over all.
+    pub(crate) fn draw_map(&mut self, lines: &Plane<bool>, knobs: &BinaryKnobs) {
+        let sigma = 0.5 * scaled(knobs.smooth, lines.height());
+        self.map = Some((self.marks.draw_map(lines, sigma), sigma));
+    }
+
     /// What a screen shows, transparency left out.
     pub fn displayed(&self, colours: &Colours) -> Plane<[u8; 3]> {
         self.coloured(colours).map(|[r, g, b, _]| [*r, *g, *b])

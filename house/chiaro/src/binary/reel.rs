@@ -1,9 +1,10 @@
-//! A film of ink: frames are rendered in order, labelled in windows along the motion, and written.
+//! A film of ink: frames are rendered or read in order, labelled in windows along the motion, and
+//! written.
 //!
 //! 1. The shot's blocks that hold a frame yet to be written are walked in order; a frame becomes a
 //!    [`Take`] (its graph, its links, what lines need) and its geometry is let go once the next
 //!    frame is linked to it.
-//! 2. [`chiaro_binary::Film`] labels the takes, painted ones and those of tones too; a labelled take is drawn, measured and written.
+//! 2. [`chiaro_binary::Film`] labels the takes; a labelled take is drawn, measured and written.
 //!
 //! Memory: two frames of geometry and at most `window` + `window` / 2 + 1 takes, some 60 bytes a
 //! pixel each, whatever the film's length. A part of a film renders, beyond its own frames, those of
@@ -15,8 +16,8 @@ use super::shot::Shot;
 use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Border, Cel, FeaturePairs, Features, Film, Flicker, Graph, Lines, Palette, Plan,
-    Shown, Weights, compose, outline, scaled, step_terminals, toned, weigh,
+    BinaryKnobs, Border, Cel, Exposure, FeaturePairs, Features, Film, Flicker, Graph, Lines, Paint,
+    Palette, Plan, Shown, View, Weights, compose, film_layers, labelled, outline, scaled, weigh,
 };
 use chiaro_image::{Plane, filter};
 use chiaro_scene::{Frame, Poser};
@@ -48,13 +49,15 @@ impl Labelling {
 }
 
 /// A frame between rendering and writing.
-struct Take {
+pub(crate) struct Take {
     number: u32,
     cel: Cel,
     /// Links for the measures.
     sight: Plane<u32>,
     features: Features,
     pairs: FeaturePairs,
+    /// Where a map draws lines on top.
+    map: Option<Plane<bool>>,
 }
 
 impl AsRef<Cel> for Take {
@@ -63,53 +66,81 @@ impl AsRef<Cel> for Take {
     }
 }
 
+/// How the frames of a film are made of what is seen.
+pub(crate) struct Setting<'a> {
+    pub(crate) knobs: &'a BinaryKnobs,
+    pub(crate) exposure: &'a Exposure,
+    pub(crate) colours: &'a Colours,
+    pub(crate) palette: Palette,
+}
+
+impl Setting<'_> {
+    /// Frame `number`, a view that is linked to the one before: as the cut needs it, and as the
+    /// measures do.
+    pub(crate) fn take(
+        &self,
+        number: u32,
+        (view, map): (&View, Option<Plane<bool>>),
+        [close, sight]: [Plane<u32>; 2],
+        paint: Option<Paint>,
+        run: &Run,
+    ) -> Result<Take> {
+        let Self { knobs, exposure, palette, .. } = self;
+        let mut weights = weigh(view, exposure, knobs, run)?;
+        if let Some(paint) = &paint {
+            weights.paint(paint, knobs);
+        }
+        let Weights { factors, graph, .. } = weights;
+        let pixels = graph.mask.len() as u64;
+        let features = run.stage("lines", pixels, || Features::find(&view.buffer, knobs));
+        let pairs = FeaturePairs::of(&factors);
+        let how = (*exposure, *knobs);
+        let cel = run.stage("cut", pixels, || -> Result<Cel> {
+            let layers = film_layers(palette, view, &graph, how, paint.as_ref())?;
+            let mut cel = Cel::new(graph, close)?;
+            cel.layers = layers;
+            cel.painted = paint.as_ref().map(|p| p.drawn().clone());
+            Ok(cel)
+        })?;
+        Ok(Take { number, cel, sight, features, pairs, map })
+    }
+}
+
+/// What makes the frames of a film.
+pub(crate) trait Source {
+    /// Frame `index` of the shot, linked to the one before if that was the last one taken.
+    fn take(&mut self, index: usize, setting: &Setting<'_>, run: &Run) -> Result<Take>;
+}
+
 /// Renders the frames of a shot in order.
 struct Camera<'a, 's> {
     shot: &'s Shot<'a>,
     poser: Poser<'a>,
     numbers: Vec<u32>,
     before: Option<(usize, Frame, GBuffer)>,
-    palette: Palette,
 }
 
-impl Camera<'_, '_> {
-    /// Frame `index` of the shot, linked to the one before if that was the last one taken.
-    fn take(&mut self, index: usize, run: &Run) -> Result<Take> {
+impl Source for Camera<'_, '_> {
+    fn take(&mut self, index: usize, setting: &Setting<'_>, run: &Run) -> Result<Take> {
         run.check()?;
         let number = self.numbers[index];
         let shot = self.shot;
         let frame = shot.project.pose(&self.poser, number, run);
         let view = shot.view(&frame, number, shot.camera.size, shot.exposure.shadows, run)?;
-        let mut weights = weigh(&view, &shot.exposure, &shot.knobs, run)?;
-        let paint = shot.painting.as_ref().map(|p| p.paint(&view, number));
-        if let Some(paint) = &paint {
-            weights.paint(paint, &shot.knobs);
-        }
-        let Weights { factors, graph, .. } = weights;
-        let pixels = graph.mask.len() as u64;
-        let features = run.stage("lines", pixels, || Features::find(&view.buffer, &shot.knobs));
         let before = self.before.take().filter(|(i, ..)| i + 1 == index);
         let linked = |rule: Match| match &before {
             Some((_, previous, buffer)) => {
                 links(&view.buffer, buffer, &shot.project.scene, (&frame, previous), rule)
             }
-            None => graph.mask.map(|_| UNLINKED),
+            None => view.buffer.covered.map(|_| UNLINKED),
         };
-        let (close, sight) = run.stage("track", pixels, || {
-            (linked(Match::Plane(OFF_PLANE)), linked(Match::Depth(SAME_DEPTH)))
+        let linked = run.stage("track", view.buffer.covered.len() as u64, || {
+            [linked(Match::Plane(OFF_PLANE)), linked(Match::Depth(SAME_DEPTH))]
         });
-        let pairs = FeaturePairs::of(&factors);
-        let tones = self.palette.colours().len();
-        let terminals = match self.palette {
-            Palette::Tones(_) if tones > 1 => {
-                step_terminals(tones, &view, &shot.exposure, &shot.knobs, graph.scale)
-            }
-            _ => Vec::new(),
-        };
+        let paint = shot.painted(&view, number);
+        let take = setting.take(number, (&view, None), linked, paint, run)?;
         self.before = Some((index, frame, view.buffer));
-        let mut cel = run.stage("cut", pixels, || Cel::new(graph, close)?.in_tones(terminals))?;
-        cel.painted = paint.map(|p| p.drawn().clone());
-        Ok(Take { number, cel, sight, features, pairs })
+        Ok(take)
     }
 }
 
@@ -123,27 +154,35 @@ pub(crate) fn shoot(
     run: &Run,
 ) -> Result<Map<String, Value>> {
     let numbers = shot.project.shot();
-    let knobs = &shot.knobs;
-    let plan = Plan { frames: numbers.len(), window: knobs.window as usize };
     let is_wanted: Vec<bool> = numbers.iter().map(|n| wanted.contains(n)).collect();
-    let palette = shot.palette(colours)?;
     let poser = shot.project.poser();
-    let mut camera = Camera { shot, poser, numbers, before: None, palette: palette.clone() };
-    let mut flicker = vec![Flicker::default(); palette.colours().len().saturating_sub(1).max(1)];
-    let look = Sheet { palette: &palette, colours, knobs };
+    let mut camera = Camera { shot, poser, numbers, before: None };
+    let setting = Setting {
+        knobs: &shot.knobs,
+        exposure: &shot.exposure,
+        colours,
+        palette: shot.palette(colours)?,
+    };
+    label(&mut camera, &setting, (&is_wanted, labelling), deliver, run)
+}
+
+/// Labels the frames of a film, of which those that are wanted are handed over; its measures.
+pub(crate) fn label(
+    source: &mut dyn Source,
+    setting: &Setting<'_>,
+    (is_wanted, labelling): (&[bool], Labelling),
+    deliver: &mut dyn FnMut(u32, Picture) -> Result<()>,
+    run: &Run,
+) -> Result<Map<String, Value>> {
+    let knobs = setting.knobs;
+    let plan = Plan { frames: is_wanted.len(), window: knobs.window as usize };
+    let mut flicker: Vec<Flicker> = Vec::new();
     if labelling != Labelling::Windows {
         for index in (0..plan.frames).filter(|i| is_wanted[*i]) {
-            let take = camera.take(index, run)?;
-            let white = match labelling {
-                Labelling::Blurred => blurred(&take.cel.graph),
-                _ => {
-                    let Cel { graph, alone, .. } = &take.cel;
-                    graph.without_islands(&alone.white, knobs.island_area(graph.mask.height()))
-                }
-            };
-            let white = [white];
-            measure(&mut flicker, index, &take, &white);
-            deliver(take.number, look.picture(&take, &white, run))?;
+            let take = source.take(index, setting, run)?;
+            let layers = alone(&take.cel, labelling, knobs);
+            measure(&mut flicker, index, &take, &layers, knobs);
+            deliver(take.number, setting.picture(&take, &layers, run))?;
         }
         return Ok(flicker_counts(&flicker));
     }
@@ -157,13 +196,13 @@ pub(crate) fn shoot(
         }
         film.label(
             &block,
-            &mut |index| camera.take(index, run),
+            &mut |index| source.take(index, setting, run),
             &mut |index, take, layers| {
-                measure(&mut flicker, index, take, layers);
+                measure(&mut flicker, index, take, layers, knobs);
                 if !is_wanted[index] {
                     return Ok(());
                 }
-                deliver(take.number, look.picture(take, layers, run))
+                deliver(take.number, setting.picture(take, layers, run))
             },
             run,
         )?;
@@ -171,53 +210,56 @@ pub(crate) fn shoot(
     Ok(flicker_counts(&flicker))
 }
 
+/// The labels of a frame's layers by itself.
+fn alone(cel: &Cel, labelling: Labelling, knobs: &BinaryKnobs) -> Vec<Plane<u8>> {
+    if labelling == Labelling::Blurred {
+        return vec![blurred(&cel.graph)];
+    }
+    let area = knobs.island_area(cel.graph.mask.height());
+    (0..cel.depth()).map(|layer| cel.without_islands(layer, cel.own(layer).0, area)).collect()
+}
+
 /// The sign of W - B after a Gaussian of 3 pixels at 480.
-fn blurred(graph: &Graph) -> Plane<bool> {
+fn blurred(graph: &Graph) -> Plane<u8> {
     let pull = graph.terminal.map(|[white, black]| (white - black) as f32);
     let sigma = scaled(3.0, graph.mask.height());
     let soft = filter::gaussian_masked(&pull, &graph.mask, sigma);
-    soft.zip(&graph.mask, |p, m| *m && *p > 0.0).expect("a filter keeps the size")
+    soft.zip(&graph.mask, |p, m| u8::from(*m && *p > 0.0)).expect("a filter keeps the size")
 }
 
-/// Measures the layers of a frame, each as a film of its own.
-fn measure(flicker: &mut [Flicker], index: usize, take: &Take, layers: &[Plane<bool>]) {
-    for (layer, (flicker, white)) in flicker.iter_mut().zip(layers).enumerate() {
-        let cel = &take.cel;
-        let step = cel.steps.get(layer);
-        let (graph, alone) = match step {
-            Some(step) => {
-                let terminal = step.terminal.clone();
-                (&Graph { terminal, ..cel.graph.clone() }, &step.alone)
-            }
-            None => (&cel.graph, &cel.alone.white),
-        };
-        let own = if step.is_some() { graph.energy(alone) } else { cel.alone.cut };
+/// Measures the layers of a frame, each as a film of its own: as it is, and the energy that the island
+/// rule alone would add.
+fn measure(
+    flicker: &mut Vec<Flicker>,
+    index: usize,
+    take: &Take,
+    layers: &[Plane<u8>],
+    knobs: &BinaryKnobs,
+) {
+    flicker.resize_with(flicker.len().max(layers.len()), Flicker::default);
+    let cel = &take.cel;
+    for (layer, (flicker, labels)) in flicker.iter_mut().zip(layers).enumerate() {
+        let (alone, energy) = cel.own(layer);
+        let area = knobs.island_area(labels.height());
         let shown = Shown {
-            white,
-            covered: &graph.mask,
+            labels,
+            covered: &cel.graph.mask,
             links: &take.sight,
             alone,
-            tone: &graph.terminal.map(|[white, black]| white > black),
-            energy: [graph.energy(white), own],
+            tone: &cel.wanted(layer),
+            energy: [cel.energy(layer, labels), energy],
         };
         flicker.add(index, &shown);
+        flicker.islands += cel.energy(layer, &cel.without_islands(layer, alone, area)) - energy;
     }
 }
 
-/// What labelled frames are drawn with.
-struct Sheet<'a> {
-    palette: &'a Palette,
-    colours: &'a Colours,
-    knobs: &'a BinaryKnobs,
-}
-
-impl Sheet<'_> {
+impl Setting<'_> {
     /// A labelled frame, drawn.
-    fn picture(&self, take: &Take, layers: &[Plane<bool>], run: &Run) -> Picture {
-        if take.cel.steps.is_empty() {
-            self.inked(take, &layers[0], run)
-        } else {
-            self.toned(take, layers, run)
+    fn picture(&self, take: &Take, layers: &[Plane<u8>], run: &Run) -> Picture {
+        match self.palette {
+            Palette::Two => self.inked(take, &layers[0].map(|l| *l == 1), run),
+            _ => self.coloured(take, layers, run),
         }
     }
 
@@ -230,9 +272,9 @@ impl Sheet<'_> {
         self.finished(take, (labels, None), (white.clone(), &region, lines), run)
     }
 
-    fn toned(&self, take: &Take, layers: &[Plane<bool>], run: &Run) -> Picture {
-        let Self { palette, colours, knobs } = *self;
-        let mut coloured = toned(layers, &take.cel, knobs);
+    fn coloured(&self, take: &Take, layers: &[Plane<u8>], run: &Run) -> Picture {
+        let Self { palette, colours, knobs, .. } = self;
+        let mut coloured = labelled(layers, &take.cel, palette, knobs);
         let (covered, features) = (&take.cel.graph.mask, &take.features);
         coloured.labels = features.lightened(&coloured.labels, palette.lightest());
         let (white, region, lines, tint) =
@@ -253,7 +295,7 @@ impl Sheet<'_> {
         let border = Border::measure(&white, &graph.mask, &take.pairs);
         let cost = (graph.energy(&white) - alone.cut) as f64 / f64::from(graph.scale);
         let counts = counts::labelled(&white, graph, alone, cost, &border);
-        Picture {
+        let mut picture = Picture {
             covered: graph.mask.clone(),
             labels,
             palette: self.palette.colours().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
@@ -265,7 +307,11 @@ impl Sheet<'_> {
             graph: graph.clone(),
             cut: alone.clone(),
             counts,
+        };
+        if let Some(map) = &take.map {
+            picture.draw_map(map, self.knobs);
         }
+        picture
     }
 }
 
@@ -279,6 +325,7 @@ fn flicker_counts(layers: &[Flicker]) -> Map<String, Value> {
     put("tone_flips_per_pixel", json!(flicker.tone_flips_per_pixel()));
     put("pop_p99_px", json!(flicker.pop_p99()));
     put("energy_excess", json!(flicker.energy_excess()));
+    put("island_excess", json!(flicker.island_excess()));
     put("lag_px", json!(flicker.lag_px()));
     counts
 }

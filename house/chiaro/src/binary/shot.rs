@@ -8,7 +8,8 @@ use crate::painting::Painting;
 use crate::project::Project;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Channel, Channels, Exposure, LEAST_REACH, Lit, Palette, View, expose,
+    BinaryKnobs, Channel, Channels, Exposure, LEAST_REACH, Lesson, Lit, Paint, Palette, View,
+    expose,
 };
 use chiaro_scene::Frame;
 use chiaro_trace::{GBuffer, Surfaces};
@@ -29,7 +30,9 @@ pub struct Shot<'a> {
     pub exposure: Exposure,
     pub(crate) lighting: Lighting,
     surfaces: Surfaces<'a>,
-    pub(super) painting: Option<Painting>,
+    painting: Option<Painting>,
+    /// What strokes teach over a shot of several frames.
+    lesson: Option<Lesson>,
 }
 
 impl<'a> Shot<'a> {
@@ -50,6 +53,7 @@ impl<'a> Shot<'a> {
             lighting,
             surfaces,
             painting: None,
+            lesson: None,
         };
         shot.exposure = shot.expose(&numbers, &frames, run)?;
         Ok(shot)
@@ -68,6 +72,34 @@ impl<'a> Shot<'a> {
         }
         run.warn("hardly any light gets in: shadows are left out");
         expose(&views(false)?, false, &self.knobs, run)
+    }
+
+    /// Takes strokes up. In a film they teach on small frames, those that they are on.
+    pub(crate) fn paint(&mut self, painting: Option<Painting>, run: &Run) -> Result<()> {
+        let shot = self.project.shot();
+        self.painting = painting;
+        let Some(painting) = self.painting.as_ref().filter(|_| shot.len() > 1) else {
+            return Ok(());
+        };
+        let poser = self.project.poser();
+        let small = self.camera.at_height(SURVEY_HEIGHT.min(self.camera.size.1)).size;
+        let mut lesson = Lesson::default();
+        for number in painting.lessons(&shot, &self.project.sampled_shot(SURVEY_FRAMES)) {
+            let frame = self.project.pose(&poser, number, run);
+            let view = self.view(&frame, number, small, self.exposure.shadows, run)?;
+            painting.teach(&mut lesson, &view, number);
+        }
+        self.lesson = Some(lesson);
+        Ok(())
+    }
+
+    /// What strokes do to a frame.
+    pub(super) fn painted(&self, view: &View, number: u32) -> Option<Paint> {
+        let painting = self.painting.as_ref()?;
+        Some(match &self.lesson {
+            Some(lesson) => painting.taught(view, number, lesson),
+            None => painting.paint(view, number),
+        })
     }
 
     /// The same shot in pictures `height` pixels high.
@@ -138,7 +170,7 @@ impl<'a> Shot<'a> {
         if !matches!(self.palette(colours)?, Palette::Spots(_)) {
             view.buffer.forget_light();
         }
-        let paint = self.painting.as_ref().map(|p| p.paint(&view, number));
+        let paint = self.painted(&view, number);
         draw(view, &self.exposure, &self.knobs, (colours, paint.as_ref()), run)
     }
 

@@ -8,9 +8,9 @@ use crate::style::Style;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Border, Channel, Exposure, FeaturePairs, Lines, Marks, Method, Model, Paint,
-    Steps, Strokes, View, compose, expose, image_bonds, mixed_tone, neighbour_factors, prepare,
-    shade, weigh,
+    BinaryKnobs, Border, Channel, Channels, Exposure, FeaturePairs, Lines, Marks, Method, Model,
+    Paint, Steps, Strokes, View, compose, expose, image_bonds, mixed_tone, neighbour_factors,
+    prepare, shade, weigh,
 };
 use chiaro_image::colour::{srgb_encode, to_byte};
 use chiaro_image::{Plane, filter};
@@ -137,7 +137,14 @@ impl Plate {
     ) -> Result<Plane<[u8; 3]>> {
         let (view, covered) = (&self.view, &self.view.buffer.covered);
         let drawn = strokes.drawn(covered.size(), 1);
-        let paint = Paint::learn(drawn, &view.channels, covered, blend);
+        // Strokes teach by what the style looks at; the plate holds every channel there is.
+        let mut channels = Channels::default();
+        for channel in Channel::ALL.into_iter().filter(|c| c.is_used(knobs)) {
+            if let Some(plane) = view.channels.get(channel) {
+                channels.set(channel, plane.clone());
+            }
+        }
+        let paint = Paint::learn(drawn, &channels, covered, blend);
         let exposure = self.exposure(knobs, run)?;
         let prepared = prepare(Cow::Borrowed(view), &exposure, knobs, Some(&paint), run)?;
         let steps = prepared.cut(Some(&paint), true, knobs, run)?;

@@ -16,7 +16,7 @@ use crate::frames::Frames;
 use crate::record::{Record, recipe};
 use crate::write;
 use chiaro_basis::{Error, Result, Run};
-use chiaro_binary::{BinaryKnobs, Exposure, expose, scaled};
+use chiaro_binary::{BinaryKnobs, Exposure, expose};
 use chiaro_image::codec::{Format, Limits, read_colour, read_components, read_exr};
 use chiaro_image::{Plane, filter};
 use layers::Layers;
@@ -180,8 +180,7 @@ fn shaded(layers: &Layers, look: &Look<'_>, run: &Run) -> Result<(Picture, Expos
     let how = (&look.colours, paint.as_ref());
     let mut picture = binary::draw(view, &exposure, knobs, how, run)?;
     if let Some(lines) = &layers.lines {
-        let sigma = 0.5 * scaled(knobs.smooth, layers.size.1);
-        picture.map = Some((picture.marks.draw_map(lines, sigma), sigma));
+        picture.draw_map(lines, knobs);
     }
     Ok((picture, exposure))
 }
