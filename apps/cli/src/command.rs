@@ -28,7 +28,15 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
         Command::Binary { scene, output, ink, print, stencil, maps, dump_graph, .. } => {
             let options = scene.options()?;
             let (style, knobs) = knobs(ink)?;
-            let frames = options.frames.as_ref().map_or(1, Vec::len);
+            let sequence = match given::is_sequence(&scene.scene) {
+                true => {
+                    let (frames, shot) = (options.frames.clone(), options.shot.clone());
+                    Some(given::Sequence::open(&scene.scene, maps.maps(), frames, shot)?)
+                }
+                false => None,
+            };
+            let scene_frames = || options.frames.as_ref().map_or(1, Vec::len);
+            let frames = sequence.as_ref().map_or_else(scene_frames, |s| s.frames().len());
             let target = Target::parse(output, frames)?;
             binary::check_target(&target)?;
             let look = Look {
@@ -39,6 +47,10 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
                 painting: maps.painting()?,
                 stencil: stencil.cutting()?,
             };
+            if let Some(sequence) = &sequence {
+                let film = given::Film { sequence, look, target, fps: options.fps };
+                return film.run(run).map(Some);
+            }
             let maps = maps.maps();
             if given::is_picture(&scene.scene) {
                 let given = &Given::open(&scene.scene, &maps, run)?;

@@ -127,25 +127,38 @@ impl Job<'_> {
         (encoding, recipe): (Encoding, &str),
         run: &Run,
     ) -> Result<()> {
-        let mut counts = picture.counts.clone();
         if let Some(folder) = &self.dump_graph {
             let folder = dump::folder(folder, &self.target, number);
             let write = || dump::graph(&folder, &picture.graph, &picture.cut);
             frames.beside(number, run.stage("write", 1, write)?);
         }
-        if frames.are_one_file() {
-            let plates = Plates { look: &self.look, title: "", recipe: "" };
-            let shown = run.stage("draw", 1, || plates.shown(&picture, &mut counts))?;
-            frames.keep(number, shown);
-        } else {
-            let title = format!("{} {number}", self.project.file_name());
-            let plates = Plates { look: &self.look, title: &title, recipe };
-            let bytes = run.stage("draw", 1, || plates.bytes(encoding, &picture, &mut counts))?;
-            frames.write(number, &bytes, run)?;
-        }
-        frames.measured(number, counts);
-        Ok(())
+        let title = format!("{} {number}", self.project.file_name());
+        let text = (title.as_str(), recipe.to_owned());
+        hand_over(frames, (number, &picture), (encoding, &self.look), text, run)
     }
+}
+
+/// Hands a finished picture over to its file, or to the animation that it is a part of. The `text`
+/// is its title and its recipe.
+pub(crate) fn hand_over(
+    frames: &mut Frames<'_>,
+    (number, picture): (u32, &Picture),
+    (encoding, look): (Encoding, &Look<'_>),
+    (title, recipe): (&str, String),
+    run: &Run,
+) -> Result<()> {
+    let mut counts = picture.counts.clone();
+    if frames.are_one_file() {
+        let plates = Plates { look, title: "", recipe: "" };
+        let shown = run.stage("draw", 1, || plates.shown(picture, &mut counts))?;
+        frames.keep(number, shown);
+    } else {
+        let plates = Plates { look, title, recipe: &recipe };
+        let bytes = run.stage("draw", 1, || plates.bytes(encoding, picture, &mut counts))?;
+        frames.write(number, &bytes, run)?;
+    }
+    frames.measured(number, counts);
+    Ok(())
 }
 
 /// Makes the frames `numbers` of a shot one after the other; the measures of the film.

@@ -9,6 +9,7 @@
 //! | material | `material.ID`, `IndexMA`, `Material Index`, `CryptoMaterial00` | |
 //! | albedo | `albedo`, `DiffCol`, `Diffuse Color`, `Denoising Albedo` | linear |
 //! | occlusion | `ao.A`, `AO`, `Ambient Occlusion` | |
+//! | motion | `motion.X/.Y`, `Vector.X/.Y/.Z/.W` | chiaro; Blender, whose y points up and whose second pair is this frame's place minus the next one's |
 //!
 //! In front of a name there may be a view layer's (`ViewLayer.Normal.X`); large and small letters
 //! count alike.
@@ -41,6 +42,17 @@ pub(super) struct Layers {
     pub(super) channels: Vec<(Channel, Plane<f32>)>,
     /// Where the discontinuity map draws lines.
     pub(super) lines: Option<Plane<bool>>,
+    /// Motion from frame to frame.
+    pub(super) motion: Option<Motion>,
+}
+
+/// Where what is seen was and will be, in pixels, x right, y down.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    /// The place in the frame before minus that in this one.
+    pub(super) back: Plane<[f32; 2]>,
+    /// The place in the next frame minus that in this one, if known.
+    pub(super) forth: Option<Plane<[f32; 2]>>,
 }
 
 /// From this depth on there is nothing: renderers write 1e10 or infinity.
@@ -77,6 +89,7 @@ impl Layers {
             albedo: finder.vector(&ALBEDO),
             channels: channels.collect(),
             lines: None,
+            motion: finder.motion(),
         }
     }
 
@@ -93,6 +106,7 @@ impl Layers {
             albedo: self.albedo.as_ref().map(|p| thin(p, step)),
             channels: self.channels.iter().map(|(c, p)| (*c, thin(p, step))).collect(),
             lines: None,
+            motion: None,
         }
     }
 
@@ -171,6 +185,19 @@ impl<'a> Finder<'a> {
             let z = self.floats(layer, &["z", "b"])?;
             Some(Plane::from_fn(x.width(), x.height(), |u, v| [x[(u, v)], y[(u, v)], z[(u, v)]]))
         })
+    }
+
+    fn motion(&self) -> Option<Motion> {
+        let pair = |layer: &str, names: [&str; 2], sign: [f32; 2]| {
+            let [x, y] = [self.floats(layer, &names[..1])?, self.floats(layer, &names[1..])?];
+            let at = |u, v| [sign[0] * x[(u, v)], sign[1] * y[(u, v)]];
+            Some(Plane::from_fn(x.width(), x.height(), at))
+        };
+        if let Some(back) = pair("motion", ["x", "y"], [1.0, 1.0]) {
+            return Some(Motion { back, forth: None });
+        }
+        let back = pair("vector", ["x", "y"], [1.0, -1.0])?;
+        Some(Motion { back, forth: pair("vector", ["z", "w"], [-1.0, 1.0]) })
     }
 
     /// `NX NY NZ`, as 3ds Max has them.

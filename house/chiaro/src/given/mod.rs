@@ -5,7 +5,9 @@
 //! the depth, without either there are no features; occlusion and reflection are there only as
 //! layers. For the camera see `camera`, for names of layers see `layers`.
 
+mod backdrop;
 mod camera;
+mod film;
 mod layers;
 mod view;
 
@@ -16,12 +18,14 @@ use crate::frames::Frames;
 use crate::record::{Record, recipe};
 use crate::write;
 use chiaro_basis::{Error, Result, Run};
-use chiaro_binary::{BinaryKnobs, Exposure, expose};
+use chiaro_binary::{BinaryKnobs, Exposure, View, expose};
 use chiaro_image::codec::{Format, Limits, read_colour, read_components, read_exr};
 use chiaro_image::{Plane, filter};
 use layers::Layers;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
+
+pub use film::{Film, Sequence, is_sequence};
 
 /// Maps beside a colour image.
 #[derive(Clone, Debug, Default)]
@@ -93,12 +97,27 @@ impl Given {
             let grey = given.map("discontinuity", path)?.map(|p| (p[0] + p[1] + p[2]) / 3.0);
             given.layers.lines = Some(discontinuities(&grey));
         }
+        if Format::of(&bytes) != Some(Format::Exr) {
+            given.leave_backdrop_out(run);
+        }
         if given.layers.normal.is_none() && given.layers.depth.is_none() {
             run.warn(
                 "no normals and no depth: borders follow the picture alone; give --normals or --depth",
             );
         }
         Ok(given)
+    }
+
+    /// Makes the plain backdrop of a photograph transparent.
+    fn leave_backdrop_out(&mut self, run: &Run) {
+        let dark_too = self.layers.normal.is_some();
+        let Some(colour) = &mut self.layers.colour else { return };
+        if let Some(backdrop) = backdrop::backdrop(colour, dark_too) {
+            *colour = colour
+                .zip(&backdrop, |p, b| if *b { [0.0; 4] } else { *p })
+                .expect("a backdrop has the picture's size");
+            run.warn("a plain backdrop is left out; give the picture an alpha channel to say what counts");
+        }
     }
 
     /// A map of the picture's size; its hash goes into the recipe.
@@ -173,8 +192,8 @@ pub(crate) fn rgbn(
 /// Layers as a picture, and the exposure that was found.
 fn shaded(layers: &Layers, look: &Look<'_>, run: &Run) -> Result<(Picture, Exposure)> {
     let pixels = (layers.size.0 * layers.size.1) as u64;
-    let knobs = look.knobs;
-    let exposure = exposure(layers, knobs, run)?;
+    let knobs = &look.knobs.resolved();
+    let exposure = expose(&[surveyed(layers, knobs)], true, knobs, run)?;
     let view = run.stage("channels", pixels, || view::view(layers, knobs));
     let paint = look.painting.as_ref().map(|p| p.paint(&view, 1));
     let how = (&look.colours, paint.as_ref());
@@ -185,11 +204,10 @@ fn shaded(layers: &Layers, look: &Look<'_>, run: &Run) -> Result<(Picture, Expos
     Ok((picture, exposure))
 }
 
-/// The exposure, surveyed on every few pixels.
-fn exposure(layers: &Layers, knobs: &BinaryKnobs, run: &Run) -> Result<Exposure> {
+/// Every few pixels, for surveys.
+fn surveyed(layers: &Layers, knobs: &BinaryKnobs) -> View {
     let step = (layers.size.1 / binary::SURVEY_HEIGHT).max(1);
-    let small = view::view(&layers.thinned(step), knobs);
-    expose(&[small], true, knobs, run)
+    view::view(&layers.thinned(step), knobs)
 }
 
 /// A job on one picture.

@@ -151,3 +151,58 @@ fn files_without_layers_and_damaged_ones_are_one_sentence() {
     let layers = read_layers("a.exr", &write_exr(&image).unwrap()).unwrap();
     assert!(layers.covered().pixels().iter().all(|c| !c));
 }
+
+/// Layers of six frames of a turning torus, and the film made of them in `out`.
+fn film_of_layers(folder: &Path, frames: &[u32], out: &str) -> (Map<String, Value>, Vec<String>) {
+    let run = Run::default();
+    let pattern = folder.join("in####.exr");
+    let numbers: Vec<u32> = (1..=6).collect();
+    if !folder.join("in0001.exr").exists() {
+        let options = Options {
+            size: Some((64, 48)),
+            frames: Some(numbers.clone()),
+            turntable: true,
+            shot: Some((1..=60).collect()),
+            ..Options::default()
+        };
+        let project = Project::open("demo:bumpy-torus", options, &run).unwrap();
+        let target = Target::Pattern(pattern.clone());
+        crate::gbuffer::Job { project: &project, target }.run(&run).unwrap();
+    }
+    let name = pattern.display().to_string();
+    let (frames, shot) = (Some(frames.to_vec()), Some(numbers));
+    let sequence = &Sequence::open(&name, Maps::default(), frames, shot).unwrap();
+    let style = Style::find("ink").unwrap();
+    let target = Target::Pattern(folder.join(out));
+    let film = Film { sequence, look: Look::of(&style), target, fps: 24.0 };
+    let record = film.run(&run).unwrap();
+    (record.counts, record.outputs.into_iter().map(|o| o.sha256).collect())
+}
+
+#[test]
+fn numbered_renders_are_a_film_along_their_motion() {
+    let dir = tempfile::tempdir().unwrap();
+    let numbers: Vec<u32> = (1..=6).collect();
+    let (counts, whole) = film_of_layers(dir.path(), &numbers, "a####.png");
+    assert_eq!(whole.len(), 6);
+    // Most of what is seen is linked, and hardly anything flips in a slow turn.
+    let flips = counts["flips_per_pixel"].as_f64().unwrap();
+    assert!(flips > 0.0 && flips < 0.1, "{flips}");
+    let (_, part) = film_of_layers(dir.path(), &[3, 4], "b####.png");
+    assert_eq!(part, whole[2..4]);
+    let pattern = dir.path().join("in####.exr").display().to_string();
+    let open = |frames| Sequence::open(&pattern, Maps::default(), Some(frames), None);
+    let error = open(vec![5, 9]).err().unwrap().to_string();
+    assert!(error.contains('9') && error.contains("from 1 to 6"), "{error}");
+}
+
+#[test]
+fn motion_vectors_of_blender_point_down_and_forth_here() {
+    let scalar = |v: f32| ExrChannel::F32(Plane::filled(4, 4, v));
+    let values = [("X", 1.0), ("Y", 2.0), ("Z", 3.0), ("W", 4.0)];
+    let layers = values.map(|(n, v)| (format!("ViewLayer.Vector.{n}"), scalar(v))).to_vec();
+    let image = ExrImage { size: (4, 4), layers, ..ExrImage::default() };
+    let motion = Layers::of_exr(&image).motion.unwrap();
+    assert_eq!(motion.back[(1, 1)], [1.0, -2.0]);
+    assert_eq!(motion.forth.unwrap()[(1, 1)], [-3.0, 4.0]);
+}
