@@ -247,9 +247,15 @@ fn print(bytes: &[u8]) -> Result<Option<Record>> {
 /// What holds a stencil together, if the record is of one.
 fn of_stencil(record: &Record) -> String {
     let count = |name: &str| record.counts.get(name).and_then(serde_json::Value::as_f64);
-    let all = [count("bridges"), count("bridges_mm"), count("stencil_energy")];
-    let [Some(bridges), Some(length), Some(energy)] = all else { return String::new() };
-    format!(": one piece, {bridges} bridges ({length:.1} mm in all), energy +{energy:.1}")
+    let [Some(bridges), Some(length)] = [count("bridges"), count("bridges_mm")] else {
+        return String::new();
+    };
+    let bridges = format!("{bridges} bridges ({length:.1} mm in all)");
+    match (count("stencils"), count("stencil_energy")) {
+        (Some(sheets), _) => format!(": {sheets} stencils of one piece each, {bridges}"),
+        (_, Some(energy)) => format!(": one piece, {bridges}, energy +{energy:.1}"),
+        _ => String::new(),
+    }
 }
 
 /// What a command says at its end, for people.

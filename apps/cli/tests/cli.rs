@@ -103,7 +103,7 @@ fn a_stencil_is_one_piece_and_says_what_it_cost() {
     assert_eq!(thin.status.code(), Some(1));
     assert!(stderr(&thin).contains("or a larger --size"), "{}", stderr(&thin));
     let many = with(&["--stencil", "4mm", "--set", "palette=4", "-o", "b.png"]);
-    assert!(stderr(&many).contains("a stencil has one ink"), "{}", stderr(&many));
+    assert!(stderr(&many).contains("a stencil for each colour"), "{}", stderr(&many));
     assert!(!dir.path().join("b.png").exists());
 }
 

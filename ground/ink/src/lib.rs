@@ -12,6 +12,7 @@
 
 mod border;
 pub mod brush;
+mod centre;
 mod crack;
 mod drawing;
 mod fit;
@@ -27,6 +28,7 @@ mod svg;
 mod travel;
 
 pub use border::smooth_coverage;
+pub use centre::centre_lines;
 pub use crack::{Cracks, Polyline};
 pub use drawing::{Colour, Drawing, Layer, Mark, Travel};
 pub use fit::{Fit, fit, simplified};

@@ -5,7 +5,8 @@
 //! 2. Fills: one path a region with its holes, one layer a colour.
 //!    With a pen: each colour but the paper's is hatched, the wider apart the lighter it is.
 //!    A stencil: its holes alone, filled, or their outlines where there is a pen.
-//! 3. Lines: joined within 0.1 mm, fitted to 0.05 mm, ordered for little travel, one layer a pen.
+//! 3. Lines: joined within 0.1 mm, fitted to 0.05 mm, ordered for little travel, one layer a pen. With a
+//!    pen, those of a map follow their centre lines.
 
 use crate::binary::{Cutting, Look};
 use crate::colours::Colours;
@@ -14,7 +15,7 @@ use chiaro_binary::{BinaryKnobs, Lines, scaled};
 use chiaro_image::Plane;
 use chiaro_ink::{
     Area, Colour, Drawing, Fit, Hatch, Layer, Mark, NOTHING, Partition, Path, Placement, Polyline,
-    Soft, Travel, fit, joined,
+    Soft, Travel, centre_lines, fit, joined,
 };
 pub use chiaro_ink::{Sheet, length};
 use serde_json::{Value, json};
@@ -23,6 +24,9 @@ use serde_json::{Value, json};
 const JOIN: f64 = 0.1;
 /// How far strokes may be from the lines of the picture, in millimetres.
 const STROKE_TOLERANCE: f64 = 0.05;
+
+/// What a map says of a line in ink.
+const INK: u8 = 1;
 
 /// How a picture lies on paper, and what draws it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,51 +99,74 @@ pub(crate) fn layers(
         None => fill(plate, &regions, place),
         Some(pen) => Plotter { plate, knobs, place, pen }.layers(&regions),
     };
-    if let Some((map, sigma)) = plate.map {
-        let lines = Regions::trace(map, &map.map(|_| true), 3, *sigma, (knobs, place));
-        layers.extend(mapped(lines, plate.scheme, pen, layers.len()));
+    let mut travel = travel;
+    match (plate.map, pen) {
+        (Some((map, _)), Some(pen)) => {
+            let ink = plate.scheme.ink;
+            let lines = strokes(&centre_lines(&map.map(|line| *line == INK)), place);
+            let name = format!("{} map {}", layers.len() + 1, hex(ink));
+            let (layer, way) = Layer::strokes(name, lines, pen, ink, JOIN);
+            travel = travel + way;
+            layers.push(layer);
+        }
+        (Some((map, sigma)), None) => {
+            let lines = Regions::trace(map, &map.map(|_| true), 3, *sigma, (knobs, place));
+            layers.extend(mapped(lines, plate.scheme, layers.len()));
+        }
+        (None, _) => {}
     }
     (layers, travel)
 }
 
-/// A stencil as a whole SVG file: a layer of its holes, each one closed path with what stands in it;
-/// filled, or with a pen as outlines for the blade.
+/// Stencils as a whole SVG file: a layer of holes each, in its colour, each hole one closed path with
+/// what stands in it; filled, or with a pen as outlines for the blade.
 ///
 /// # Errors
 /// [`chiaro_basis::Error::Setting`] when the margins leave nothing of the paper.
 pub fn stencil(
-    sheet: &Plane<bool>,
+    sheets: &[(Colour, Plane<bool>)],
     cutting: &Cutting,
     look: &Look<'_>,
     (title, recipe): (&str, &str),
 ) -> Result<String> {
-    let place = look.print.sheet.place(sheet.size())?;
-    let labels = sheet.map(|s| u8::from(*s));
-    let covered = sheet.map(|_| true);
-    let ink = look.colours.ink;
-    // Smoothing leaves bars alone that are several times as wide.
-    let sigma =
-        scaled(look.knobs.smooth, sheet.height()).min((cutting.bridge / place.scale) as f32 / 5.0);
-    let how = (look.knobs, &place);
-    let holes = Regions::trace(&labels, &covered, 2, sigma, how).by_label.swap_remove(0);
-    let layer = match look.print.pen {
-        None => {
-            let marks = holes.into_iter().map(|outline| Mark::Fill { outline, colour: ink });
-            Layer { name: format!("1 holes {}", hex(ink)), marks: marks.collect() }
+    let size = sheets.first().map_or((1, 1), |(_, sheet)| sheet.size());
+    let place = look.print.sheet.place(size)?;
+    let layers = sheets.iter().enumerate().map(|(i, (ink, sheet))| {
+        let holes = holes(sheet, cutting, (look, &place));
+        match look.print.pen {
+            None => {
+                let marks = holes.into_iter().map(|outline| Mark::Fill { outline, colour: *ink });
+                Layer { name: format!("{} holes {}", i + 1, hex(*ink)), marks: marks.collect() }
+            }
+            Some(pen) => {
+                let paths = holes.into_iter().flatten().collect();
+                let name = format!("{} cut {}", i + 1, hex(*ink));
+                Layer::strokes(name, paths, pen, *ink, 0.0).0
+            }
         }
-        Some(pen) => {
-            let paths = holes.into_iter().flatten().collect();
-            Layer::strokes(format!("1 cut {}", hex(ink)), paths, pen, ink, 0.0).0
-        }
-    };
+    });
     let drawing = Drawing {
         page: place.page,
         title: title.into(),
         recipe: Some(recipe.into()),
         background: None,
-        layers: vec![layer],
+        layers: layers.collect(),
     };
     Ok(drawing.to_svg())
+}
+
+/// The outlines of a sheet's holes.
+fn holes(
+    sheet: &Plane<bool>,
+    cutting: &Cutting,
+    (look, place): (&Look<'_>, &Placement),
+) -> Vec<Vec<Path>> {
+    let labels = sheet.map(|s| u8::from(*s));
+    let covered = sheet.map(|_| true);
+    // Smoothing leaves bars alone that are several times as wide.
+    let sigma =
+        scaled(look.knobs.smooth, sheet.height()).min((cutting.bridge / place.scale) as f32 / 5.0);
+    Regions::trace(&labels, &covered, 2, sigma, (look.knobs, place)).by_label.swap_remove(0)
 }
 
 /// The outlines of each label's regions, on the page.
@@ -173,25 +200,15 @@ impl Regions {
     }
 }
 
-/// The lines of a map as fills in ink and in paper's colour, or, for a pen, the outlines of those in
-/// ink.
-fn mapped(lines: Regions, scheme: &Colours, pen: Option<f64>, before: usize) -> Vec<Layer> {
+/// The lines of a map as fills in ink and in paper's colour.
+fn mapped(lines: Regions, scheme: &Colours, before: usize) -> Vec<Layer> {
     let mut layers = Vec::new();
     for (outlines, colour) in lines.by_label.into_iter().skip(1).zip([scheme.ink, scheme.paper]) {
-        if outlines.is_empty() || (pen.is_some() && colour == scheme.paper) {
-            continue;
+        if !outlines.is_empty() {
+            let name = format!("{} map {}", before + layers.len() + 1, hex(colour));
+            let fill = |outline| Mark::Fill { outline, colour };
+            layers.push(Layer { name, marks: outlines.into_iter().map(fill).collect() });
         }
-        let name = format!("{} map {}", before + layers.len() + 1, hex(colour));
-        layers.push(match pen {
-            Some(pen) => {
-                let paths = outlines.into_iter().flatten().collect();
-                Layer::strokes(name, paths, pen, colour, JOIN).0
-            }
-            None => {
-                let fill = |outline| Mark::Fill { outline, colour };
-                Layer { name, marks: outlines.into_iter().map(fill).collect() }
-            }
-        });
     }
     layers
 }

@@ -106,9 +106,11 @@ impl Plates<'_> {
     fn svg(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
         let (colours, print) = (&self.look.colours, &self.look.print);
         if let Some(stencil) = &self.look.stencil {
-            let sheet = self.bits(picture, counts)?;
+            let place = print.sheet.place(picture.covered.size())?;
+            let how = (colours, self.look.knobs);
+            let sheets = stencil.sheets(picture, how, &place, counts)?;
             let text = (self.title, self.recipe);
-            return vector::stencil(&sheet, stencil, self.look, text).map(String::into_bytes);
+            return vector::stencil(&sheets, stencil, self.look, text).map(String::into_bytes);
         }
         let two = [colours.ink, colours.paper];
         let plate = plate(picture, &two, colours);

@@ -1,15 +1,19 @@
 //! Stencils of pictures: holes where the ink is, in a sheet of one piece.
 //!
 //! The picture in one bit, lines and all, becomes a sheet; what bridges cost is what the cut's weights
-//! say of the pixels that they change.
+//! say of the pixels that they change. A palette has a sheet for each colour but the lightest, which is
+//! the paper; lines are the darkest one's, and every pixel costs the same.
 
 use super::Picture;
 use crate::colours::Colours;
 use chiaro_basis::{Error, Result};
-use chiaro_binary::one_bit;
+use chiaro_binary::{BinaryKnobs, compose, one_bit};
 use chiaro_image::Plane;
-use chiaro_ink::{Placement, Stencil, StencilForm, stencil};
+use chiaro_ink::{Colour, Placement, Stencil, StencilForm, stencil};
 use serde_json::{Map, Value, json};
+
+/// What a pixel beside the objects costs, where those of the objects cost 1.
+const BESIDE: f32 = 0.3;
 
 /// Bridges are at least so many pixels wide, or their borders are steps alone.
 const LEAST_BRIDGE: f64 = 3.0;
@@ -32,7 +36,8 @@ impl Cutting {
     /// The sheet of a picture that lies on paper as `place` says; its measures go into `counts`.
     ///
     /// # Errors
-    /// [`Error::Setting`] for more colours than two, and for bridges too thin for the pixels.
+    /// [`Error::Setting`] for more colours than two, which need [`Self::sheets`], and for bridges too thin
+    /// for the pixels.
     pub(crate) fn sheet(
         &self,
         picture: &Picture,
@@ -41,9 +46,58 @@ impl Cutting {
         counts: &mut Map<String, Value>,
     ) -> Result<Plane<bool>> {
         if picture.tint.is_some() {
-            let range = "no palette beside --stencil: a stencil has one ink";
-            return Err(Error::setting("palette", "more colours than two", range));
+            let range =
+                "a file name that ends in .svg: a palette has a stencil for each colour, as layers";
+            return Err(Error::setting("-o", "one picture of more colours than two", range));
         }
+        let form = self.form(place)?;
+        let given = one_bit(&picture.marks, &picture.lines, colours.paper_is_white());
+        let prices = picture.graph.prices(&given, form.bridge);
+        let made = stencil(&given, &prices, &form);
+        report(&made, &given, picture, place, counts);
+        Ok(made.sheet)
+    }
+
+    /// The sheets of a picture, one a colour: its ink's, or those of a palette's colours.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for bridges too thin for the pixels.
+    pub(crate) fn sheets(
+        &self,
+        picture: &Picture,
+        (colours, knobs): (&Colours, &BinaryKnobs),
+        place: &Placement,
+        counts: &mut Map<String, Value>,
+    ) -> Result<Vec<(Colour, Plane<bool>)>> {
+        if picture.tint.is_none() {
+            return Ok(vec![(colours.ink, self.sheet(picture, colours, place, counts)?)]);
+        }
+        let form = self.form(place)?;
+        let (w, h) = picture.labels.size();
+        let prices = picture.covered.map(|c| if *c { 1.0 } else { BESIDE });
+        let blank = compose(&Plane::filled(w, h, 1.0), &picture.covered, &picture.lines, knobs);
+        let no_line = one_bit(&blank, &picture.lines, true);
+        let (mut sheets, mut spans) = (Vec::new(), Vec::new());
+        for (label, colour) in inks(&picture.palette) {
+            let given = Plane::from_fn(w, h, |x, y| {
+                let at = (x, y);
+                let hole = picture.covered[at] && usize::from(picture.labels[at]) == label;
+                !hole && (!sheets.is_empty() || no_line[at])
+            });
+            let made = stencil(&given, &prices, &form);
+            spans.extend(made.bridges.iter().map(|b| f64::from(b.span) * place.scale));
+            sheets.push((colour, made.sheet));
+        }
+        let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
+        put("stencils", json!(sheets.len()));
+        put("bridges", json!(spans.len()));
+        put("bridges_mm", json!(spans.iter().sum::<f64>()));
+        put("longest_bridge_mm", json!(spans.into_iter().fold(0.0, f64::max)));
+        Ok(sheets)
+    }
+
+    /// Its measures in pixels.
+    fn form(&self, place: &Placement) -> Result<StencilForm> {
         let bridge = self.bridge / place.scale;
         if bridge < LEAST_BRIDGE {
             let least = LEAST_BRIDGE * place.scale;
@@ -52,13 +106,17 @@ impl Cutting {
             );
             return Err(Error::setting("--stencil", format!("{}mm", self.bridge), range));
         }
-        let form = StencilForm { bridge: bridge as f32, part: (self.part / place.scale) as f32 };
-        let given = one_bit(&picture.marks, &picture.lines, colours.paper_is_white());
-        let prices = picture.graph.prices(&given, form.bridge);
-        let made = stencil(&given, &prices, &form);
-        report(&made, &given, picture, place, counts);
-        Ok(made.sheet)
+        Ok(StencilForm { bridge: bridge as f32, part: (self.part / place.scale) as f32 })
     }
+}
+
+/// The colours of a palette with their places, from the darkest on, but for the lightest.
+fn inks(palette: &[Colour]) -> Vec<(usize, Colour)> {
+    let lightness = |c: &Colour| 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
+    let mut all: Vec<(usize, Colour)> = palette.iter().copied().enumerate().collect();
+    all.sort_by(|a, b| lightness(&a.1).total_cmp(&lightness(&b.1)));
+    all.pop();
+    all
 }
 
 /// What was changed, and what that adds to the energy of the cut.
@@ -85,4 +143,39 @@ fn report(
     put("parts_dropped", json!(made.dropped));
     put("holes_closed", json!(made.closed));
     put("stencil_energy", json!(added as f64 / f64::from(graph.scale)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::binary::Shot;
+    use crate::project::{Options, Project};
+    use chiaro_basis::Run;
+    use chiaro_image::labels::components_by_sides;
+    use chiaro_ink::Sheet;
+
+    #[test]
+    fn each_ink_of_a_palette_has_a_sheet_of_one_piece() {
+        let run = Run::default();
+        let options = Options { size: Some((160, 120)), ..Options::default() };
+        let project = Project::open("demo:torus", options, &run).unwrap();
+        let palette = "spot:#fff,#a33,#111".to_owned();
+        let knobs = BinaryKnobs { palette, ..BinaryKnobs::default() };
+        let shot = Shot::survey(&project, &knobs, &run).unwrap();
+        let colours = Colours::default();
+        let frame = project.pose(&project.poser(), 1, &run);
+        let picture = shot.picture(&frame, 1, &colours, &run).unwrap();
+        let place = Sheet::default().place((160, 120)).unwrap();
+        let cutting = Cutting { bridge: 4.0 * place.scale, part: 0.0 };
+        let mut counts = Map::new();
+        let sheets = cutting.sheets(&picture, (&colours, &knobs), &place, &mut counts).unwrap();
+        assert_eq!(sheets.len(), 2);
+        assert!(sheets[0].0[0] < sheets[1].0[0], "the darkest comes first");
+        for (_, sheet) in &sheets {
+            let pieces = components_by_sides(sheet, &sheet.map(|_| true)).pieces;
+            assert_eq!(pieces.iter().filter(|p| p.label).count(), 1);
+            assert!(pieces.iter().any(|p| !p.label), "there are holes");
+        }
+        assert!(cutting.sheet(&picture, &colours, &place, &mut counts).is_err());
+    }
 }
