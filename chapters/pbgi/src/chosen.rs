@@ -52,7 +52,7 @@ pub fn smallest(lessons: &[Lesson], bound: f64, run: &Run) -> Result<Chosen> {
     }
     let (recipe, error) = last;
     if error > bound {
-        run.warn(format!("no book keeps an error of {bound}; the largest has {error:.4}"));
+        run.warn(format!("no book keeps an error of {bound:.4}; the largest has {error:.4}"));
     }
     Ok(Chosen { book: taught(lessons, &recipe, run)?, error })
 }

@@ -522,7 +522,7 @@ mod tests {
     fn a_tree_from_a_file_is_the_tree_in_memory() {
         let (_, coded) = both(12_000);
         let bytes = file_of(12_000);
-        let (read, origin) = file::open(Arc::new(bytes), "t").unwrap();
+        let (read, origin) = file::open(Arc::new(bytes), "t", &|| ()).unwrap();
         assert_eq!((origin.as_str(), read.leaf_radius), ("a sheet", coded.leaf_radius));
         assert_eq!(read.store.counts(), coded.store.counts());
         for level in 0..read.store.counts().len() {
@@ -562,7 +562,7 @@ mod tests {
     #[test]
     fn files_cut_off_or_altered_are_one_sentence() {
         let bytes = file_of(12_000);
-        let told = |bytes: Vec<u8>| match file::open(Arc::new(bytes), "t.pbgi") {
+        let told = |bytes: Vec<u8>| match file::open(Arc::new(bytes), "t.pbgi", &|| ()) {
             Ok(_) => String::new(),
             Err(e) => e.to_string(),
         };

@@ -26,6 +26,8 @@ const MAGIC: &[u8; 12] = b"chiaro pbgi\n";
 const BOOK_MAGIC: &[u8; 12] = b"chiaro book\n";
 const VERSION: u32 = 1;
 const END: &[u8; 8] = b"pbgi end";
+/// Parts that are checked between two pauses: some ten megabytes.
+const PARTS_AT_ONCE: usize = 128;
 /// Bytes of a checksum.
 pub(crate) const SUM: usize = 8;
 
@@ -93,8 +95,9 @@ pub fn read_book(bytes: &[u8], name: &str) -> Result<Book> {
     Reader(numbers).book().ok_or_else(altered)
 }
 
-/// A tree in the bytes of a file, and what it was made from. `name` is told in errors.
-pub fn open(bytes: Bytes, name: &str) -> Result<(Packed<Compact>, String)> {
+/// A tree in the bytes of a file, and what it was made from. `name` is told in errors; `pause` is
+/// called whenever some more megabytes have been read, so that pages can be given back.
+pub fn open(bytes: Bytes, name: &str, pause: &dyn Fn()) -> Result<(Packed<Compact>, String)> {
     let all = (*bytes).as_ref();
     let wrong = |why: &str| Error::input(name, "", why);
     let cut = || wrong("is no whole tree file; bake it again with chiaro light --bake");
@@ -129,8 +132,11 @@ pub fn open(bytes: Bytes, name: &str) -> Result<(Packed<Compact>, String)> {
     let sound = |&(at, length): &(usize, usize)| {
         checksum(&all[at..at + length]).to_le_bytes() == all[at + length..at + length + SUM]
     };
-    if !starts.par_iter().all(sound) {
-        return Err(altered());
+    for some in starts.chunks(PARTS_AT_ONCE) {
+        if !some.par_iter().all(sound) {
+            return Err(altered());
+        }
+        pause();
     }
     let store = Compact::of_bytes(format, bytes, &starts, crown, records).ok_or_else(altered)?;
     Ok((Packed { store, leaf_radius }, origin))

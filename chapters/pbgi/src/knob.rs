@@ -41,7 +41,7 @@ choice! {
 knobs! {
     /// How a scene is lit.
     pub struct LightKnobs {
-        surfels: u32 = 100000, Count { min: 16, max: 100000000 }, "N (6.3.2)", "", "surfels that stand for the scene's surfaces";
+        surfels: u32 = 100000, Count { min: 16, max: 4000000000 }, "N (6.3.2)", "", "surfels that stand for the scene's surfaces";
         tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some ten bytes a surfel, any number of surfels";
         clusters: u32 = 0, Count { min: 0, max: 65536 }, "l (6.5.1)", "words", "a compact tree whose lobes are one word each of a table of so many; 0: the default code";
         max_error: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "6.7", "share", "a compact tree by the smallest book whose error of nodes it has not seen is at most this; 0: the default code";
@@ -73,6 +73,9 @@ impl LightKnobs {
     pub fn kept_surfels(&self) -> u32 {
         if self.is_compact() { self.surfels.min(SPARSE as u32) } else { self.surfels }
     }
+
+    /// The most surfels of a tree in single precision.
+    pub const MOST_EXACT: u32 = 100_000_000;
 
     /// Nodes of a size from which a book is learned, at most.
     pub fn lessons(&self) -> usize {

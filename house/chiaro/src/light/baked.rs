@@ -66,7 +66,8 @@ pub(crate) fn open(path: &Path, expected: &str, cap: Option<&Cap>, run: &Run) ->
         cap.keeps(&map);
     }
     let bytes: Bytes = Arc::new(Mapped(map));
-    let (tree, origin) = run.stage("load", 1, || file::open(bytes, &name))?;
+    let pause = || cap.into_iter().for_each(Cap::relieve);
+    let (tree, origin) = run.stage("load", 1, || file::open(bytes, &name, &pause))?;
     if origin != expected {
         run.warn(format!(
             "{name} was baked from another scene, light or number of surfels or bounces; \

@@ -4,7 +4,7 @@
 //!    holds; too much is one sentence with the remedy: `--bake`, whose file is mapped, or fewer surfels.
 //! 2. While a mapped tree is read, its pages count as memory of the process. Near the cap they are given back:
 //!    the system keeps what it can spare and reads the rest from the disk again. A watcher looks
-//!    every few milliseconds.
+//!    every two milliseconds, and whoever reads much at once looks too.
 //! 3. A peak above the cap is told, and never hidden.
 //!
 //! Where the system does not say what a process holds (anything but Linux), mapped pages are left to
@@ -20,8 +20,8 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// The share of the cap at which pages are given back.
-const FULL: f64 = 0.85;
-const INTERVAL: Duration = Duration::from_millis(3);
+const FULL: f64 = 0.8;
+const INTERVAL: Duration = Duration::from_millis(2);
 /// Bytes of a surfel that is lit in full, with its place in the sparse tree and in grids; bytes of a
 /// surfel of a batch on its way into the tree; bytes of one in a coded tree: measured, rounded up.
 const SPARSE_BYTES: u64 = 420;
@@ -66,6 +66,13 @@ impl Cap {
     /// Pages of this map are given back from now on.
     pub(crate) fn keeps(&self, map: &Arc<Mmap>) {
         *self.state.map.lock().unwrap_or_else(PoisonError::into_inner) = Arc::downgrade(map);
+    }
+
+    /// Gives pages back at once where they are too many.
+    pub(crate) fn relieve(&self) {
+        if resident_bytes() as f64 > FULL * self.bytes as f64 {
+            self.state.give_back();
+        }
     }
 
     /// How often pages were given back.

@@ -97,6 +97,10 @@ impl Job<'_> {
     /// Renders and writes every frame that is not there yet.
     pub fn run(&self, run: &Run) -> Result<Record> {
         check_target(&self.target)?;
+        if !self.knobs.is_compact() && self.knobs.surfels > LightKnobs::MOST_EXACT {
+            let most = format!("at most {}, or --set tree=compact beside it", LightKnobs::MOST_EXACT);
+            return Err(Error::setting("surfels", self.knobs.surfels, most));
+        }
         let mut record = Record::new("light");
         let poser = self.project.poser();
         let mut shot = Shot::survey(self.project, self.knobs, self.env.as_deref(), run)?;
