@@ -65,7 +65,7 @@ impl Axis {
         if low > high {
             return [0.0, 1.0];
         }
-        let room = (0.04 * (high - low)).max(if high > low { 0.0 } else { 0.5 });
+        let room = (0.06 * (high - low)).max(if high > low { 0.0 } else { 0.5 });
         let floor = if self.scale == Scale::Linear && low >= 0.0 { 0.0 } else { f64::MIN };
         [(low - room).max(floor), high + room]
     }
@@ -83,7 +83,11 @@ impl Axis {
                 (first..).map(|i| i as f64 * step).take_while(|v| *v <= high + 1e-9).collect()
             }
             Scale::Log => {
-                let digits: &[f64] = if high - low < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+                let digits: &[f64] = match high - low {
+                    r if r < 0.4 => &[1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+                    r if r < 2.0 => &[1.0, 2.0, 5.0],
+                    _ => &[1.0],
+                };
                 let decades = low.floor() as i32..=high.ceil() as i32;
                 let all = decades.flat_map(|d| digits.iter().map(move |m| m * 10f64.powi(d)));
                 all.filter(|v| (low..=high).contains(&v.log10())).collect()

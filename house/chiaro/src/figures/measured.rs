@@ -371,13 +371,14 @@ struct Way {
     p99: f64,
 }
 
-const FAMILIES: [&str; 6] = [
+const FAMILIES: [&str; 7] = [
     "thesis: tree, leaf B",
     "thesis: raw sums",
     "k-means over area",
     "residual, one gain",
     "residual, gain a colour",
     "colour x shape",
+    "half floats",
 ];
 
 fn ways() -> Vec<(usize, String, Recipe)> {
@@ -386,7 +387,7 @@ fn ways() -> Vec<(usize, String, Recipe)> {
         all.push((1, format!("{k}"), Recipe::raw(k)));
         all.push((2, format!("{k}"), Recipe::clusters(k)));
     }
-    for (light, area) in [(2, 2), (4, 3)] {
+    for (light, area) in [(2, 2), (3, 2), (4, 3)] {
         let name = |turned| format!("{light}+{area}{turned}");
         all.push((3, name(""), Recipe::residual(Gains::One, false, light, area)));
         all.push((3, name(" turned"), Recipe::residual(Gains::One, true, light, area)));
@@ -404,24 +405,13 @@ fn rate(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> {
         let knobs = LightKnobs { bounces: 1, edges: 2, ..LightKnobs::default() };
         still(scene, SIZE, &knobs, run, |at| {
             let all = compared(at, run)?;
-            let mut charts: [Vec<Series>; 2] = Default::default();
-            for (family, name) in FAMILIES.iter().enumerate() {
-                let own = || all.iter().filter(|w| w.family == family);
-                let points = [
-                    own().filter_map(|w| Some([w.bytes, w.psnr?])).collect(),
-                    own().map(|w| [w.bytes, 100.0 * w.p99]).collect(),
-                ];
-                for (chart, points) in charts.iter_mut().zip(points) {
-                    let colour = COLOURS[family];
-                    chart.push(Series { name: (*name).into(), colour, points, joined: false });
+            for (part, families) in [("", 0..FAMILIES.len()), (", the codes alone", 1..6)] {
+                let title = format!("{}{part}", name_of(scene));
+                for (chart, title) in charts(&all, families).into_iter().zip([title, String::new()])
+                {
+                    sheet.add(chart.draw((640, 400)), title);
                 }
             }
-            let [near, far] = charts;
-            let x = || Axis { name: "bytes a surfel", scale: Scale::Log };
-            let y = Axis { name: "dB of the picture", scale: Scale::Linear };
-            sheet.add(Chart { x: x(), y, series: near }.draw((640, 400)), name_of(scene));
-            let y = Axis { name: "p99 node error, %", scale: Scale::Log };
-            sheet.add(Chart { x: x(), y, series: far }.draw((640, 400)), "");
             values.extend(all.iter().map(|w| {
                 json!({
                     "scene": scene, "family": FAMILIES[w.family], "code": w.name,
@@ -432,6 +422,25 @@ fn rate(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> {
         })?;
     }
     Ok(values)
+}
+
+/// Families of codes against decibels, and against node errors.
+fn charts(all: &[Way], families: std::ops::Range<usize>) -> [Chart; 2] {
+    let series = |point: &dyn Fn(&Way) -> Option<[f64; 2]>| -> Vec<Series> {
+        let one = |family: usize| Series {
+            name: FAMILIES[family].into(),
+            colour: COLOURS[family],
+            points: all.iter().filter(|w| w.family == family).filter_map(point).collect(),
+            joined: false,
+        };
+        families.clone().map(one).collect()
+    };
+    let x = || Axis { name: "bytes a surfel", scale: Scale::Log };
+    let near = series(&|w| Some([w.bytes, w.psnr?]));
+    let far = series(&|w| Some([w.bytes, 100.0 * w.p99]));
+    let decibels = Axis { name: "dB of the picture", scale: Scale::Linear };
+    let errors = Axis { name: "p99 node error, %", scale: Scale::Log };
+    [Chart { x: x(), y: decibels, series: near }, Chart { x: x(), y: errors, series: far }]
 }
 
 /// All codes on one scene.
@@ -455,7 +464,7 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
     let size = |recipe: &Recipe| stream::bytes_a_record(recipe) * records.len() as f64 / surfels;
     let floats = size(&Recipe::clusters(16)) + 70.0 * nodes.len() as f64 / surfels;
     let (name, psnr) = ("half floats".to_owned(), near.psnr);
-    all.push(Way { name, family: 1, bytes: floats, psnr, p99: 5e-4 });
+    all.push(Way { name, family: 6, bytes: floats, psnr, p99: 5e-4 });
     for (family, name, recipe) in ways() {
         let book = stream::taught(&lessons, &recipe, run)?;
         let mut own: Vec<f64> = nodes

@@ -98,7 +98,8 @@ impl Job<'_> {
     pub fn run(&self, run: &Run) -> Result<Record> {
         check_target(&self.target)?;
         if !self.knobs.is_compact() && self.knobs.surfels > LightKnobs::MOST_EXACT {
-            let most = format!("at most {}, or --set tree=compact beside it", LightKnobs::MOST_EXACT);
+            let most =
+                format!("at most {}, or --set tree=compact beside it", LightKnobs::MOST_EXACT);
             return Err(Error::setting("surfels", self.knobs.surfels, most));
         }
         let mut record = Record::new("light");
