@@ -184,7 +184,14 @@ pub(crate) fn peak_bytes() -> u64 {
 
 /// The memory that the process holds now; 0 where the system does not say.
 pub(crate) fn resident_bytes() -> u64 {
-    of_status("VmRSS:")
+    // The shorter file is far faster to read; it counts in pages, whose size the longer one tells.
+    static PAGE: std::sync::OnceLock<u64> = std::sync::OnceLock::new();
+    let pages = || {
+        let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+        text.split(' ').nth(1).and_then(|p| p.parse::<u64>().ok()).unwrap_or(0)
+    };
+    let page = PAGE.get_or_init(|| (of_status("VmRSS:") / pages().max(1)).next_power_of_two());
+    pages() * page
 }
 
 fn of_status(name: &str) -> u64 {

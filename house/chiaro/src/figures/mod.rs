@@ -51,6 +51,8 @@ const BASELINES: &str = "baselines";
 const FLICKER: &str = "flicker";
 /// All ways to parameterize lines.
 const METHODS: &str = "methods";
+/// All codes of lobes beside each other.
+const RATE: &str = "6.rate";
 /// Films of strokes in several styles at once.
 const STROKES: &str = "strokes";
 const TAKING: [&str; 4] = [BASELINES, FLICKER, METHODS, STROKES];
@@ -85,7 +87,8 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
         });
     }
     let named = |name: &str| taking.iter().any(|n| *n == name);
-    for figure in quantized::all().filter(|f| named(f.name) || names.is_empty()) {
+    let of_all = |name: &str| names.is_empty() && name != RATE;
+    for figure in quantized::all().filter(|f| named(f.name) || of_all(f.name)) {
         run.check()?;
         sections.push(measured_figure(figure, scenes, folder, &mut record, run)?);
     }

@@ -5,7 +5,7 @@
 //! It is opened once for a film; all of its bytes are checked then.
 
 use super::book::Taught;
-use super::cap::Cap;
+use super::cap::{Cap, TOUCHES};
 use crate::disk::reason;
 use crate::project::Project;
 use crate::record::Output;
@@ -17,6 +17,7 @@ use memmap2::Mmap;
 use serde_json::json;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Where a shot's coded trees come from and go to.
@@ -65,7 +66,8 @@ pub(crate) fn open(path: &Path, expected: &str, cap: Option<&Cap>, run: &Run) ->
     if let Some(cap) = cap {
         cap.keeps(&map);
     }
-    let bytes: Bytes = Arc::new(Mapped(map));
+    let touched = AtomicU32::new(0);
+    let bytes: Bytes = Arc::new(Mapped { map, cap: cap.cloned(), touched });
     let pause = || cap.into_iter().for_each(Cap::relieve);
     let (tree, origin) = run.stage("load", 1, || file::open(bytes, &name, &pause))?;
     if origin != expected {
@@ -78,11 +80,20 @@ pub(crate) fn open(path: &Path, expected: &str, cap: Option<&Cap>, run: &Run) ->
 }
 
 /// A map that is shared with who keeps the cap.
-struct Mapped(Arc<Mmap>);
+struct Mapped {
+    map: Arc<Mmap>,
+    cap: Option<Cap>,
+    touched: AtomicU32,
+}
 
 impl AsRef<[u8]> for Mapped {
     fn as_ref(&self) -> &[u8] {
-        &self.0
+        if let Some(cap) = &self.cap
+            && self.touched.fetch_add(1, Ordering::Relaxed).is_multiple_of(TOUCHES)
+        {
+            cap.relieve();
+        }
+        &self.map
     }
 }
 

@@ -3,8 +3,8 @@
 //! 1. Before surfels are made, what they and their tree will take is added to what the process
 //!    holds; too much is one sentence with the remedy: `--bake`, whose file is mapped, or fewer surfels.
 //! 2. While a mapped tree is read, its pages count as memory of the process. Near the cap they are given back:
-//!    the system keeps what it can spare and reads the rest from the disk again. A watcher looks
-//!    every two milliseconds, and whoever reads much at once looks too.
+//!    the system keeps what it can spare and reads the rest from the disk again. Whoever reads looks
+//!    once in [`TOUCHES`] places.
 //! 3. A peak above the cap is told, and never hidden.
 //!
 //! Where the system does not say what a process holds (anything but Linux), mapped pages are left to
@@ -14,14 +14,13 @@ use crate::record::resident_bytes;
 use chiaro_basis::{Error, Result};
 use chiaro_pbgi::LightKnobs;
 use memmap2::Mmap;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
-use std::thread::JoinHandle;
-use std::time::Duration;
 
 /// The share of the cap at which pages are given back.
 const FULL: f64 = 0.8;
-const INTERVAL: Duration = Duration::from_millis(2);
+/// Places of a map that are read between two looks at the memory that is held.
+pub(crate) const TOUCHES: u32 = 1024;
 /// Bytes of a surfel that is lit in full, with its place in the sparse tree and in grids; bytes of a
 /// surfel of a batch on its way into the tree; bytes of one in a coded tree: measured, rounded up.
 const SPARSE_BYTES: u64 = 420;
@@ -31,36 +30,23 @@ const EXACT_BYTES: u64 = 420;
 /// Cells along the curve, while batches are made.
 const CELLS: u64 = 16 << 20;
 
-/// A cap on memory, and who keeps it.
+/// A cap on memory.
+#[derive(Clone)]
 pub(crate) struct Cap {
     bytes: u64,
     state: Arc<State>,
-    watcher: Option<JoinHandle<()>>,
 }
 
 #[derive(Default)]
 struct State {
-    done: AtomicBool,
     given_back: AtomicU64,
     map: Mutex<Weak<Mmap>>,
 }
 
 impl Cap {
-    /// A cap of so many bytes, watched from now on.
+    /// A cap of so many bytes.
     pub(crate) fn new(bytes: u64) -> Self {
-        let state = Arc::new(State::default());
-        let watched = Arc::clone(&state);
-        let full = (FULL * bytes as f64) as u64;
-        let watch = move || {
-            while !watched.done.load(Ordering::Relaxed) {
-                std::thread::sleep(INTERVAL);
-                if resident_bytes() > full {
-                    watched.give_back();
-                }
-            }
-        };
-        let watcher = std::thread::Builder::new().name("memory".into()).spawn(watch).ok();
-        Self { bytes, state, watcher }
+        Self { bytes, state: Arc::default() }
     }
 
     /// Pages of this map are given back from now on.
@@ -68,7 +54,7 @@ impl Cap {
         *self.state.map.lock().unwrap_or_else(PoisonError::into_inner) = Arc::downgrade(map);
     }
 
-    /// Gives pages back at once where they are too many.
+    /// Gives pages back where too much is held.
     pub(crate) fn relieve(&self) {
         if resident_bytes() as f64 > FULL * self.bytes as f64 {
             self.state.give_back();
@@ -125,16 +111,6 @@ impl State {
         }
         #[cfg(not(target_os = "linux"))]
         drop(map);
-    }
-}
-
-impl Drop for Cap {
-    fn drop(&mut self) {
-        self.state.done.store(true, Ordering::Relaxed);
-        if let Some(watcher) = self.watcher.take() {
-            // It only watched.
-            let _ = watcher.join();
-        }
     }
 }
 
@@ -206,12 +182,10 @@ mod tests {
         let cap = Cap::new(1 << 20);
         let map = crate::light::baked::map(&std::fs::File::open(&path).unwrap()).unwrap();
         cap.keeps(&map);
-        for _ in 0..1000 {
-            assert_eq!(&map[..], &bytes[..]);
-            if cap.given_back() > 2 {
-                return;
-            }
+        for round in 1..=3 {
+            assert!(map[..] == bytes[..]);
+            cap.relieve();
+            assert_eq!(cap.given_back(), round);
         }
-        panic!("no page was given back");
     }
 }
