@@ -190,7 +190,9 @@ pub(crate) fn resident_bytes() -> u64 {
         let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
         text.split(' ').nth(1).and_then(|p| p.parse::<u64>().ok()).unwrap_or(0)
     };
-    let page = PAGE.get_or_init(|| (of_status("VmRSS:") / pages().max(1)).next_power_of_two());
+    // A power of two; both files may be of slightly different moments.
+    let about = || 3 * of_status("VmRSS:") / (4 * pages().max(1));
+    let page = PAGE.get_or_init(|| about().next_power_of_two());
     pages() * page
 }
 
