@@ -69,14 +69,10 @@ mod tests {
         let run = Run::default();
         let lessons = lessons(&records(&sheet(1000)), LESSONS);
         let of = |bound| smallest(&lessons, bound, &run).unwrap();
-        let mut bytes = 0;
-        for bound in [0.4, 0.15] {
-            let chosen = of(bound);
-            assert!(chosen.error <= bound, "{bound}: {}", chosen.error);
-            assert!(chosen.book.recipe.bytes() >= bytes);
-            bytes = chosen.book.recipe.bytes();
-        }
-        assert!(bytes > Recipe::clusters(16).bytes());
+        let (rough, fine) = (of(0.4), of(0.05));
+        assert!(rough.error <= 0.4 && fine.error <= 0.05, "{} {}", rough.error, fine.error);
+        let rank = |c: &Chosen| ladder().iter().position(|r| *r == c.book.recipe);
+        assert!(rank(&rough) < rank(&fine) && rank(&rough).is_some());
         let sizes: Vec<usize> = ladder().iter().map(Recipe::bytes).collect();
         assert!(sizes.is_sorted());
     }
