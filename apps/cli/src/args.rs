@@ -51,7 +51,7 @@ pub(crate) enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Draw a scene, a picture or a renderer's EXR in black and white, balancing appearance against geometry by a minimal cut.
+    /// Draw a scene, a picture or a renderer's EXR (renders/####.exr: a film) in black and white, balancing appearance against geometry by a minimal cut.
     Binary {
         #[command(flatten)]
         scene: SceneArgs,
@@ -341,7 +341,8 @@ pub(crate) struct MapArgs {
     #[arg(long, value_name = "FILE")]
     discontinuity: Option<PathBuf>,
     /// Paint: a text file of strokes, lines such as `white 6 120,80 140,90` (label white, black or
-    /// erase, radius, points in pixels).
+    /// erase, radius, points in pixels); white 6 frame 12 120,80 is on frame 12 alone, but teaches
+    /// the whole shot.
     #[arg(long, value_name = "FILE")]
     strokes: Option<PathBuf>,
     /// How much of the weights is learned from the strokes: 0 none, 1 all.
