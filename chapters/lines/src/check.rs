@@ -65,6 +65,7 @@ pub fn check(reel: &Reel<'_>, knobs: &LinesKnobs, run: &Run) -> Result<Errors> {
         bridge: 0.0,
         shortest: 0.0,
         prune: 0.0,
+        beside: 0.0,
         step: 1.0,
         hidden: Hidden::Dashed,
         ..*knobs

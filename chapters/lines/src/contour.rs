@@ -57,6 +57,7 @@ impl Scenery<'_> {
                 own: [c.face, NONE],
                 buried: !set.keep[start + k],
                 outside: false,
+                shared: false,
             };
             let segments: Vec<Segment> = crossings.iter().enumerate().map(segment).collect();
             Path::new(set.kind, i as u32, chain.closed, &points, &segments, self.view, self.margin)
@@ -116,7 +117,7 @@ impl Scenery<'_> {
             + normal.cross(a - c) * values[1]
             + normal.cross(b - a) * values[2];
         let buried = gradient.dot(self.view.to_eye(at)) < 0.0;
-        Segment { own: [face, NONE], buried, outside: false }
+        Segment { own: [face, NONE], buried, outside: false, shared: false }
     }
 
     /// A segment along a crease: seen on the outside of a convex edge alone.
@@ -124,9 +125,9 @@ impl Scenery<'_> {
         match self.surface.crease_of(face as usize) {
             Some(Crease { left, right }) => {
                 let buried = !self.is_convex(left, right);
-                Segment { own: [left / 3, right / 3], buried, outside: false }
+                Segment { own: [left / 3, right / 3], buried, outside: false, shared: false }
             }
-            None => Segment { own: [NONE; 2], buried: true, outside: false },
+            None => Segment { own: [NONE; 2], buried: true, outside: false, shared: false },
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::contour::Scenery;
 use crate::feature::Features;
 use crate::intersect::intersections;
+use crate::join::Line;
 use crate::knob::{Hidden, LinesKnobs};
 use crate::mask::Masks;
 use crate::path::{Kind, Path};
@@ -54,10 +55,10 @@ pub struct Lines {
     pub visible: Visible,
     /// The visible runs as strokes.
     pub strokes: Vec<Stroke>,
-    /// The hidden parts as strokes, if they are wanted; no part of `runs`.
+    /// The hidden parts as strokes, if they are wanted; no part of `parts`.
     pub hidden: Vec<Stroke>,
-    /// For each stroke, its path and its run.
-    pub runs: Vec<(usize, Run)>,
+    /// What strokes are made of: stroke, path, run.
+    pub parts: Vec<(usize, usize, Run)>,
 }
 
 impl Lines {
@@ -89,33 +90,37 @@ impl Lines {
         }
         let further = sets.into_iter().map(|s| (s.kind, s.slice)).collect();
         paths.retain(|p| p.total() > 0.0);
-        let limits = Limits { gap: f64::from(knobs.bridge), run: f64::from(knobs.shortest) };
-        let visible = visible(&paths, &sight, view, &limits);
-        let (strokes, runs) = strokes(&paths, &visible, stage, moment);
+        let limits = Limits {
+            gap: f64::from(knobs.bridge),
+            run: f64::from(knobs.shortest),
+            beside: f64::from(knobs.beside),
+        };
+        let drawn = |kind: Kind| is_drawn(kind, knobs);
+        let visible = visible(&paths, &sight, view, &limits, &drawn);
+        let (strokes, parts) = strokes(&paths, &visible, stage, moment);
         let hidden = hidden_strokes(&paths, &visible, stage, moment);
-        Self { g, slice, further, paths, visible, strokes, hidden, runs }
+        Self { g, slice, further, paths, visible, strokes, hidden, parts }
     }
 }
 
-/// The strokes of all runs that are drawn, each with its path and its run.
+/// The strokes of all lines that are drawn, and what each is made of.
 fn strokes(
     paths: &[Path],
     visible: &Visible,
     stage: &Stage<'_>,
     moment: &Moment<'_>,
-) -> (Vec<Stroke>, Vec<(usize, Run)>) {
+) -> (Vec<Stroke>, Vec<(usize, usize, Run)>) {
     let next_view = moment.next.map(|n| n.1);
-    let knobs = stage.knobs;
-    let step = f64::from(knobs.step);
-    let drawn = paths.iter().enumerate().filter(|(_, p)| is_drawn(p.kind, knobs));
-    drawn
-        .flat_map(|(i, path)| visible.runs[i].iter().map(move |&run| (i, path, run)))
-        .map(|(i, path, run)| {
-            let stroke = Stroke::of(path, run, step, moment.view, next_view);
-            (Stroke { owner: owner(path, run, stage.surface), ..stroke }, (i, run))
-        })
-        .filter(|(stroke, _)| stroke.samples.len() > 1)
-        .unzip()
+    let step = f64::from(stage.knobs.step);
+    let (mut strokes, mut parts) = (Vec::new(), Vec::new());
+    for line in visible.lines.iter().filter(|l| is_drawn(paths[l.parts[0].0].kind, stage.knobs)) {
+        let stroke = Stroke::of_line(paths, line, step, moment.view, next_view);
+        if stroke.samples.len() > 1 {
+            parts.extend(line.parts.iter().map(|(path, run)| (strokes.len(), *path, *run)));
+            strokes.push(Stroke { owner: owner(paths, line, stage.surface), ..stroke });
+        }
+    }
+    (strokes, parts)
 }
 
 /// The strokes of what is hidden, where that is drawn.
@@ -131,30 +136,32 @@ fn hidden_strokes(
     }
     let next_view = moment.next.map(|n| n.1);
     let (step, shortest) = (f64::from(knobs.step), f64::from(knobs.shortest));
-    let drawn = paths.iter().zip(&visible.runs).filter(|(p, _)| is_drawn(p.kind, knobs));
+    let drawn = (0..paths.len()).filter(|&i| is_drawn(paths[i].kind, knobs));
     drawn
-        .flat_map(|(path, runs)| {
-            hidden(path, runs, shortest).into_iter().map(move |run| (path, run))
+        .flat_map(|i| {
+            let covered = visible.runs[i].iter().chain(&visible.beside[i]);
+            hidden(&paths[i], covered, shortest).into_iter().map(move |run| (i, run))
         })
-        .map(|(path, run)| Stroke {
+        .map(|(i, run)| Stroke {
             visible: false,
-            owner: owner(path, run, stage.surface),
-            ..Stroke::of(path, run, step, moment.view, next_view)
+            owner: owner(paths, &Line::single(i, run), stage.surface),
+            ..Stroke::of(&paths[i], run, step, moment.view, next_view)
         })
         .filter(|stroke| stroke.samples.len() > 1)
         .collect()
 }
 
-/// What most segments of a run belong to.
-fn owner(path: &Path, run: Run, surface: &Surface) -> Option<Owner> {
-    let n = path.segments.len();
+/// What most segments of a line belong to.
+fn owner(paths: &[Path], line: &Line, surface: &Surface) -> Option<Owner> {
     let mut votes: BTreeMap<Owner, usize> = BTreeMap::new();
-    for k in run.start.floor() as usize..run.end.ceil() as usize {
-        let own = path.segments[k % n].own;
-        if let Some(source) = own.iter().find_map(|f| surface.sources.get(*f as usize)) {
-            *votes
-                .entry(Owner { object: source.object, material: source.material })
-                .or_default() += 1;
+    for (path, run) in &line.parts {
+        let segments = &paths[*path].segments;
+        for k in run.start.floor() as usize..run.end.ceil() as usize {
+            let own = segments[k % segments.len()].own;
+            if let Some(source) = own.iter().find_map(|f| surface.sources.get(*f as usize)) {
+                let owner = Owner { object: source.object, material: source.material };
+                *votes.entry(owner).or_default() += 1;
+            }
         }
     }
     votes.into_iter().max_by_key(|(owner, count)| (*count, std::cmp::Reverse(*owner))).map(|v| v.0)

@@ -177,9 +177,9 @@ fn feature_path(chain: &FeatureChain, index: u32, scenery: &Scenery<'_>, g: &[f6
         }
         let (from, to) = (points[points.len() - 1], point(b, (k + 1) as f64));
         let own = [half / 3, other_face(surface, half)];
-        for ([t0, t1], buried) in parts(chain.kind, half, marked != half, scenery, g) {
+        for ([t0, t1], [buried, shared]) in parts(chain.kind, half, marked != half, scenery, g) {
             if t0 < t1 {
-                segments.push(Segment { own, buried, outside: false });
+                segments.push(Segment { own, buried, outside: false, shared });
                 points.push(if t1 >= 1.0 { to } else { Point::mix(&from, &to, t1) });
             }
         }
@@ -200,18 +200,18 @@ fn other_face(surface: &Surface, half: u32) -> u32 {
     crease.map_or(NONE, |i| surface.creases[i].right / 3)
 }
 
-/// The parts of an edge, as shares of it, and whether each is never visible: for creases, where a
-/// side shows its back or a silhouette runs.
+/// The parts of an edge, as shares of it, whether each is never visible, and whether a silhouette
+/// runs there: for creases, where both sides show their backs, or one.
 fn parts(
     kind: Kind,
     half: u32,
     backwards: bool,
     scenery: &Scenery<'_>,
     g: &[f64],
-) -> Vec<([f64; 2], bool)> {
+) -> Vec<([f64; 2], [bool; 2])> {
     let surface = scenery.surface;
     let crease = surface.creases.binary_search_by_key(&half, |c| c.left);
-    let (Kind::Crease, Ok(i)) = (kind, crease) else { return vec![([0.0, 1.0], false)] };
+    let (Kind::Crease, Ok(i)) = (kind, crease) else { return vec![([0.0, 1.0], [false; 2])] };
     let right = surface.creases[i].right;
     let left = front_interval([surface.from(half), surface.to(half)], g);
     let right = front_interval([surface.to(right), surface.from(right)], g);
@@ -220,12 +220,12 @@ fn parts(
     cuts.sort_by(f64::total_cmp);
     let covers = |i: [f64; 2], t: f64| t > i[0] && t < i[1];
     let buried = |t: f64| match (covers(left, t), covers(right, t)) {
-        (true, true) => false,
-        (false, false) => !two_sided,
-        _ => true,
+        (true, true) => [false; 2],
+        (false, false) => [!two_sided, false],
+        _ => [true; 2],
     };
     let part = |c: &[f64]| ([c[0], c[1]], buried(0.5 * (c[0] + c[1])));
-    let mut parts: Vec<([f64; 2], bool)> = cuts.windows(2).map(part).collect();
+    let mut parts: Vec<([f64; 2], [bool; 2])> = cuts.windows(2).map(part).collect();
     if backwards {
         parts.reverse();
         parts.iter_mut().for_each(|(t, _)| *t = [1.0 - t[1], 1.0 - t[0]]);

@@ -44,6 +44,9 @@ pub struct Film {
     pub frames: Vec<FilmFrame>,
     /// Births, deaths and saddles of silhouettes, in their order.
     pub events: Vec<FilmEvent>,
+    /// For each label of a chain the least label of its family: chains that one stroke runs along in
+    /// some frame are a family, and their strokes may share an id.
+    pub families: Vec<u32>,
     /// The surface, unless meshes are made anew in every frame.
     pub surface: Option<Arc<Ground>>,
     /// What the user should know.
@@ -176,6 +179,16 @@ impl Film {
 }
 
 impl Film {
+    /// A number that the strokes of a frame share if they may have one id: parts of one line, or of
+    /// lines that run on into each other in some frame.
+    pub(crate) fn line_of(&self, frame: &FilmFrame, stroke: &Stroke) -> u32 {
+        let line = match stroke.kind {
+            Kind::Silhouette => self.families[frame.labels[stroke.chain as usize] as usize],
+            _ => stroke.chain,
+        };
+        line * Kind::ALL.len() as u32 + stroke.kind as u32
+    }
+
     /// Finds the strokes of events again, after ids changed.
     pub(crate) fn settle_events(&mut self) {
         for event in &mut self.events {
@@ -369,10 +382,7 @@ impl<'a> Tracking<'a> {
         }
         let families: Vec<(&Strands, Option<&[u32]>)> =
             strands.iter().zip(&forward).map(|(s, f)| (s, f.as_deref())).collect();
-        let kind = |s: &Stroke| Kind::ALL.iter().position(|k| *k == s.kind).unwrap_or(0);
-        let chain = |s: &Stroke| s.chain * Kind::ALL.len() as u32 + kind(s) as u32;
-        let chains: Vec<u32> = lines.strokes.iter().map(chain).collect();
-        self.identity.advance(&chains, &families);
+        self.identity.advance(lines.strokes.len(), &families);
         if let (Some(before), false) = (self.film.frames.last(), begins) {
             let number = self.film.frames.len();
             let counts = |kind: Kind| self.fixed.is_none() || kind.is_voted();
@@ -410,7 +420,11 @@ impl<'a> Tracking<'a> {
 
     fn finish(self) -> Film {
         let mut film = self.film;
-        for (frame, ids) in film.frames.iter_mut().zip(self.identity.ids()) {
+        film.families = families(&film.frames, self.next_label.max(last_label(&film.frames)));
+        let lines = |f: &FilmFrame| f.strokes.iter().map(|s| film.line_of(f, s)).collect();
+        let lines: Vec<Vec<u32>> = film.frames.iter().map(lines).collect();
+        let ids = self.identity.ids(&lines.concat());
+        for (frame, ids) in film.frames.iter_mut().zip(ids) {
             frame.strokes.iter_mut().zip(ids).for_each(|(s, id)| s.id = id);
         }
         name_hidden(&mut film);
@@ -421,6 +435,33 @@ impl<'a> Tracking<'a> {
         }
         film
     }
+}
+
+/// One more than the greatest label.
+fn last_label(frames: &[FilmFrame]) -> u32 {
+    frames.iter().flat_map(|f| &f.labels).max().map_or(0, |l| l + 1)
+}
+
+/// For each label the least one of those whose chains run on into each other.
+fn families(frames: &[FilmFrame], count: u32) -> Vec<u32> {
+    let mut least: Vec<u32> = (0..count).collect();
+    let root = |least: &[u32], mut label: u32| {
+        while least[label as usize] != label {
+            label = least[label as usize];
+        }
+        label
+    };
+    for frame in frames {
+        for stroke in frame.strokes.iter().filter(|s| s.kind == Kind::Silhouette) {
+            let labels = stroke.samples.iter().map(|s| frame.labels[s.chain as usize]);
+            let own = frame.labels[stroke.chain as usize];
+            for label in labels.filter(|l| *l != own) {
+                let [a, b] = [own, label].map(|l| root(&least, l));
+                least[a.max(b) as usize] = a.min(b);
+            }
+        }
+    }
+    (0..count).map(|l| root(&least, l)).collect()
 }
 
 /// Gives hidden strokes one id a line, after those of visible strokes.
@@ -544,10 +585,9 @@ fn cover(strands: &mut Strands, path: &Path, index: usize, lines: &Lines) {
     let start = strands.starts[path.chain as usize] as usize;
     let end = strands.starts[path.chain as usize + 1] as usize;
     let n = path.segments.len() as f64;
-    let shown: Vec<(u32, crate::visibility::Run)> = (0..lines.strokes.len())
-        .filter(|&s| lines.runs[s].0 == index)
-        .map(|s| (s as u32, lines.runs[s].1))
-        .collect();
+    let here = lines.parts.iter().filter(|p| p.1 == index);
+    let shown: Vec<(u32, crate::visibility::Run)> =
+        here.map(|(stroke, _, run)| (*stroke as u32, *run)).collect();
     let stroke = |place: f64| {
         let covers =
             |r: &crate::visibility::Run| (place >= r.start && place <= r.end) || place + n <= r.end;

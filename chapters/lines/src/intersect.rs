@@ -279,7 +279,7 @@ fn path(
     let points: Vec<Point> = holes_in_order.zip(0..).map(point).collect();
     let segment = |(s, _): &(usize, Hole)| {
         let own = shared[*s].faces;
-        Segment { own, buried: false, outside: false }
+        Segment { own, buried: false, outside: false, shared: false }
     };
     let segments: Vec<Segment> = chain.steps.iter().map(segment).collect();
     let (view, margin) = (scenery.view, scenery.margin);

@@ -12,7 +12,7 @@
 //! 2. [`Slice`]: the zero set of n . V as chains; [`Features`]: lines that are edges of the mesh;
 //!    suggestive contours, ridges, valleys, apparent ridges and terminators are further zero sets.
 //! 3. [`visible`]: stretches between cusps and crossings vote on what hides them ([`Sight`]).
-//! 4. [`Stroke`]: a visible run as samples, each with its material point one frame later.
+//! 4. [`Stroke`]: visible runs, joined where one goes on with the next ([`Line`]), as samples, each with its material point one frame later.
 //! 5. [`track::Kinetic`]: the space-time surface S as the history of its vertices' flips; births,
 //!    deaths, saddles; where each crossing is one frame later.
 //! 6. [`track::Identity`]: one id a line, whatever passes in front of it.
@@ -41,6 +41,7 @@
 //! Not guaranteed: contacts one or two triangles wide may be shown or hidden wrongly; a piece that
 //! passes through itself shows no line there.
 
+mod beside;
 pub mod check;
 pub mod contour;
 mod curvature;
@@ -48,6 +49,7 @@ mod extract;
 mod feature;
 mod film;
 mod intersect;
+mod join;
 mod knob;
 mod mask;
 mod measure;
@@ -70,6 +72,7 @@ mod zeroset;
 pub use extract::{Lines, Moment, Stage};
 pub use feature::{FeatureChain, Features};
 pub use film::{Film, FilmEvent, FilmFrame, Ground, Reel};
+pub use join::Line;
 pub use knob::{Cuts, Hidden, LinesKnobs, Links, Method, Texture};
 pub use mask::Masks;
 pub use measure::{Measures, distance, measure};

@@ -56,7 +56,12 @@ impl Targets {
     fn of(frame: &FilmFrame) -> Self {
         let mut map: HashMap<(Kind, u32), Vec<u32>> = HashMap::new();
         for (i, s) in frame.strokes.iter().enumerate() {
-            map.entry((s.kind, s.chain)).or_default().push(i as u32);
+            let mut chains: Vec<u32> = s.samples.iter().map(|p| p.chain).collect();
+            chains.sort_unstable();
+            chains.dedup();
+            for chain in chains {
+                map.entry((s.kind, chain)).or_default().push(i as u32);
+            }
         }
         Self(map)
     }
@@ -80,9 +85,9 @@ fn partner(
 ) -> Option<Partner> {
     let at = sample.next_at?;
     let window = match stroke.kind {
-        Kind::Silhouette => along_s(here, &next.slice, stroke.chain, sample.on_chain)?,
+        Kind::Silhouette => along_s(here, &next.slice, sample.chain, sample.on_chain)?,
         kind if kind.is_edge() => {
-            Window { chain: stroke.chain, middle: sample.on_chain, reach: 1.0, around: None }
+            Window { chain: sample.chain, middle: sample.on_chain, reach: 1.0, around: None }
         }
         _ => return None,
     };
@@ -90,7 +95,8 @@ fn partner(
     for &index in targets.0.get(&(stroke.kind, window.chain))? {
         let target = &next.strokes[index as usize];
         for (k, a, b) in segments(target) {
-            if !window.holds(a.on_chain) && !window.holds(b.on_chain) {
+            let holds = |s: &Sample| s.chain == window.chain && window.holds(s.on_chain);
+            if !holds(a) && !holds(b) {
                 continue;
             }
             let (share, distance) = nearest(at, a.at, b.at);

@@ -98,6 +98,8 @@ pub struct Segment {
     pub buried: bool,
     /// Outside the picture.
     pub outside: bool,
+    /// A silhouette runs here too: it is that one that is seen or hidden.
+    pub shared: bool,
 }
 
 /// A line of one frame.
@@ -210,6 +212,38 @@ impl Path {
         let (a, b) = (self.length[k - 1], self.length[k]);
         let t = if b > a { ((length - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
         (k - 1) as f64 + t
+    }
+
+    /// The picture length up to a place that may lie past the last point of a closed path.
+    pub fn length_around(&self, place: Place) -> f64 {
+        let n = self.segments.len() as f64;
+        if place > n { self.total() + self.length_at(place - n) } else { self.length_at(place) }
+    }
+
+    /// The place at a length that may be more than the whole of a closed path.
+    pub fn place_around(&self, length: f64) -> Place {
+        let total = self.total();
+        let past = self.closed && length > total;
+        if past {
+            self.place_at(length - total) + self.segments.len() as f64
+        } else {
+            self.place_at(length)
+        }
+    }
+
+    /// The picture length of a run.
+    pub fn run_length(&self, run: crate::visibility::Run) -> f64 {
+        self.length_around(run.end) - self.length_around(run.start)
+    }
+
+    /// Where a place falls in the picture; places may lie past the last point of a closed path.
+    pub fn seen_at(&self, place: Place) -> Option<Seen> {
+        let n = self.segments.len() as f64;
+        let place = if place > n && self.closed { place - n } else { place };
+        let k = (place.max(0.0) as usize).min(self.segments.len().checked_sub(1)?);
+        let (a, b) = (self.seen[k]?, self.seen[k + 1]?);
+        let t = place - k as f64;
+        Some(Seen { at: a.at.lerp(b.at, t), depth: a.depth + (b.depth - a.depth) * t })
     }
 }
 

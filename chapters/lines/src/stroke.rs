@@ -3,6 +3,7 @@
 //! Samples stand exactly on the path, `step` pixels apart at most, with one on every corner, so that
 //! each has its place in space and its material point one frame later.
 
+use crate::join::Line;
 use crate::path::{Kind, Path, Place};
 use crate::view::View;
 use crate::visibility::Run;
@@ -13,6 +14,8 @@ use chiaro_scene::MaterialId;
 const REACH: f64 = 4.0;
 /// A turn by more than this is a corner, radians.
 const CORNER: f64 = 0.6;
+/// Samples of two parts of a line that are nearer than this are one, pixels.
+const TOUCHING: f64 = 0.05;
 
 /// A sample of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +30,9 @@ pub struct Sample {
     pub next_world: Option<DVec3>,
     /// Where that falls in the next picture, if it does.
     pub next_at: Option<DVec2>,
-    /// Where on its chain: index of a crossing or vertex, and the share of the way to the next.
+    /// Which chain of its kind it is on, in this frame.
+    pub chain: u32,
+    /// Where on that chain: index of a crossing or vertex, and the share of the way to the next.
     pub on_chain: f64,
     /// Unit normal of the surface, or zero.
     pub normal: DVec3,
@@ -49,7 +54,7 @@ pub struct Stroke {
     pub id: u32,
     /// What kind of line.
     pub kind: Kind,
-    /// Which chain of its kind it is a part of, in this frame.
+    /// Which chain of its kind most of it is a part of, in this frame.
     pub chain: u32,
     /// What most of it belongs to, if anything.
     pub owner: Option<Owner>,
@@ -74,14 +79,16 @@ impl Sample {
     /// The sample a share of the way to another one.
     pub fn toward(&self, other: &Self, t: f64) -> Self {
         let both = |p: Option<DVec2>, q: Option<DVec2>| p.zip(q).map(|(p, q)| p.lerp(q, t));
-        // Past a chain's last element counting begins anew.
-        let ahead = if other.on_chain >= self.on_chain { other.on_chain } else { self.on_chain };
+        // Past a chain's last element counting begins anew; on another chain it is another count.
+        let goes_on = other.chain == self.chain && other.on_chain >= self.on_chain;
+        let ahead = if goes_on { other.on_chain } else { self.on_chain };
         Self {
             at: self.at.lerp(other.at, t),
             depth: self.depth + (other.depth - self.depth) * t,
             world: self.world.lerp(other.world, t),
             next_world: self.next_world.zip(other.next_world).map(|(p, q)| p.lerp(q, t)),
             next_at: both(self.next_at, other.next_at),
+            chain: self.chain,
             on_chain: self.on_chain + (ahead - self.on_chain) * t,
             normal: self.normal.lerp(other.normal, t).normalize_or_zero(),
         }
@@ -109,6 +116,44 @@ impl Stroke {
             u_period: None,
             pixels_per_u: 1.0,
         };
+        stroke.measure();
+        stroke
+    }
+
+    /// A line of several parts: one after the other, with what is longest for its chain.
+    pub fn of_line(
+        paths: &[Path],
+        line: &Line,
+        step: f64,
+        view: &View,
+        next_view: Option<&View>,
+    ) -> Self {
+        let part = |(p, run): &(usize, Run)| Self::of(&paths[*p], *run, step, view, next_view);
+        let mut parts: Vec<Self> = line.parts.iter().map(part).collect();
+        if parts.len() == 1 && !line.closed {
+            return parts.remove(0);
+        }
+        let longest = (0..parts.len())
+            .max_by(|&a, &b| parts[a].total().total_cmp(&parts[b].total()).then(b.cmp(&a)));
+        let mut stroke = Self {
+            samples: Vec::new(),
+            closed: line.closed,
+            ..parts[longest.unwrap_or(0)].clone()
+        };
+        for part in parts {
+            let apart = |s: &Sample| s.at.distance(part.samples[0].at) > TOUCHING;
+            while stroke.samples.last().is_some_and(|s| !part.samples.is_empty() && !apart(s)) {
+                stroke.samples.pop();
+            }
+            stroke.samples.extend(part.samples);
+        }
+        while stroke.closed
+            && stroke.samples.len() > 3
+            && stroke.samples[0].at.distance(stroke.samples[stroke.samples.len() - 1].at) < TOUCHING
+        {
+            stroke.samples.pop();
+        }
+        stroke.closed &= stroke.samples.len() > 2;
         stroke.measure();
         stroke
     }
@@ -168,6 +213,7 @@ fn sample(path: &Path, place: Place, view: &View, next_view: Option<&View>) -> O
         world: point.world,
         next_world: point.next,
         next_at,
+        chain: path.chain,
         on_chain: point.on_chain,
         normal: (point.pushed - point.world).normalize_or_zero(),
     })
@@ -175,13 +221,9 @@ fn sample(path: &Path, place: Place, view: &View, next_view: Option<&View>) -> O
 
 /// Where the samples of a run stand: evenly between corners. The end of a closed run is left out.
 fn places(path: &Path, run: Run, step: f64, closed: bool) -> Vec<Place> {
-    let n = path.segments.len() as f64;
-    let total = path.total();
-    let length = |p: Place| {
-        if p > n { total + path.length_at(p - n) } else { path.length_at(p) }
-    };
+    let length = |p: Place| path.length_around(p);
     let (from, to) = (length(run.start), length(run.end));
-    let at = |l: f64| if l > total { path.place_at(l - total) + n } else { path.place_at(l) };
+    let at = |l: f64| path.place_around(l);
     let mut stops = vec![from];
     stops.extend(corners(path, run).into_iter().map(length));
     stops.push(to);

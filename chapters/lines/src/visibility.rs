@@ -6,10 +6,13 @@
 //! 2. The samples of a stretch between two cuts vote ([`Sight`]). If they all but agree, the stretch
 //!    has one label; else each keeps its own, and changes are found to a tenth of a pixel by
 //!    bisection.
-//! 3. Gaps and runs too short to be drawn are removed ([`Limits`]).
+//! 3. Gaps too short to be seen are bridged, silhouettes that go on with each other joined ([`Line`]), lines
+//!    too short, or beside a stronger one, left out ([`Limits`]).
 //!
 //! Nothing is carried over from other frames: it would only delay true changes.
 
+use crate::beside::Beside;
+use crate::join::{Line, joined};
 use crate::path::{Kind, Path, Place, Segment};
 use crate::sight::Sight;
 use crate::surface::NONE;
@@ -20,11 +23,17 @@ use std::collections::HashSet;
 /// Pixels between the samples that vote.
 const SPACING: f64 = 3.0;
 /// Most votes of a stretch.
-const VOTES: usize = 48;
-/// Votes that decide a stretch if all agree.
-const PROBES: usize = 7;
+const VOTES: usize = 400;
+/// Least votes that decide a stretch if all agree, and the samples of each.
+const PROBES: [usize; 2] = [7, 4];
+/// Votes in a row that are never outvoted.
+const ROW: usize = 4;
 /// Share of votes that decides a stretch.
 const AGREE: f64 = 0.85;
+/// Silhouettes below so many times the shortest are left out where another runs beside them.
+const SHORT: f64 = 3.0;
+/// Share of a line that must run beside another.
+const MOSTLY: f64 = 0.7;
 /// Depth by which a face must be nearer to hide a point, in parts of the depth.
 const SLACK: f64 = 1e-6;
 /// The same for edges, which lie in their faces' planes and touch their neighbours.
@@ -41,8 +50,10 @@ const CELL: f64 = 8.0;
 pub struct Limits {
     /// Hidden gaps below this are bridged.
     pub gap: f64,
-    /// Visible runs below this are dropped.
+    /// Visible lines below this are dropped.
     pub run: f64,
+    /// Lines nearer than this to a stronger one are left out.
+    pub beside: f64,
 }
 
 /// A visible part of a path; on closed paths `end` may lie beyond the last point, and a whole loop
@@ -60,31 +71,108 @@ pub struct Run {
 pub struct Visible {
     /// Runs of each path, rising.
     pub runs: Vec<Vec<Run>>,
+    /// The same runs as lines, in the order of the paths.
+    pub lines: Vec<Line>,
+    /// What of each path is left out because another line runs beside it.
+    pub beside: Vec<Vec<Run>>,
     /// Stretches that voted.
     pub stretches: u64,
     /// Stretches whose samples did not agree.
     pub split: u64,
 }
 
-/// The visible parts of the paths of one frame.
-pub fn visible(paths: &[Path], sight: &Sight<'_>, view: &View, limits: &Limits) -> Visible {
-    let crossings = crossings(paths, view);
-    let mut visible = Visible { runs: vec![Vec::new(); paths.len()], ..Visible::default() };
-    // Silhouettes first: creases give way to them, and fill in where they are too short.
-    let mut order: Vec<usize> = (0..paths.len()).collect();
-    order.sort_by_key(|&i| paths[i].kind == Kind::Crease);
-    let mut crossings: Vec<Vec<Place>> = crossings;
+/// The visible parts of the paths of one frame. Lines of kinds that are not `drawn` never stand in
+/// for others.
+pub fn visible(
+    paths: &[Path],
+    sight: &Sight<'_>,
+    view: &View,
+    limits: &Limits,
+    drawn: &dyn Fn(Kind) -> bool,
+) -> Visible {
+    let mut cuts = crossings(paths, view);
+    let mut visible = Visible::default();
     let mut taken = HashSet::new();
-    for i in order {
-        let path = &paths[i];
-        let looker = Looker { path, sight, view };
-        let labels = looker.labels(std::mem::take(&mut crossings[i]), &mut visible);
-        visible.runs[i] = runs(path, labels, limits, &taken);
-        if path.kind == Kind::Silhouette {
-            taken.extend(visible.runs[i].iter().flat_map(|r| edges(path, r.start, r.end)));
+    let mut look = |i: usize, taken: &HashSet<EdgeKey>, visible: &mut Visible| {
+        let looker = Looker { path: &paths[i], sight, view };
+        let labels = looker.labels(std::mem::take(&mut cuts[i]), visible);
+        runs(&paths[i], labels, limits.gap, taken)
+    };
+    // Silhouettes first: creases give way to them, and fill in where they are too short.
+    let (outlines, mut others): (Vec<usize>, Vec<usize>) =
+        (0..paths.len()).partition(|&i| paths[i].kind == Kind::Silhouette);
+    others.sort_by_key(|&i| strength(paths[i].kind));
+    let seen = outlines
+        .into_iter()
+        .flat_map(|i| look(i, &taken, &mut visible).into_iter().map(move |run| (i, run)))
+        .collect();
+    let mut beside = Beside::new(limits.beside);
+    let outlines = joined(paths, seen, limits.gap, view);
+    visible.lines = kept(paths, outlines, limits, drawn(Kind::Silhouette).then_some(&mut beside));
+    let parts = visible.lines.iter().flat_map(|l| &l.parts);
+    if drawn(Kind::Silhouette) {
+        taken.extend(parts.flat_map(|(i, r)| edges(&paths[*i], r.start, r.end)));
+    }
+    visible.beside = vec![Vec::new(); paths.len()];
+    for i in others {
+        for run in look(i, &taken, &mut visible) {
+            let (left, gone) = beside.parted(&paths[i], run);
+            visible.beside[i].extend(gone.iter().map(|g| Run { start: g[0], end: g[1] }));
+            for run in left.into_iter().filter(|r| paths[i].run_length(*r) >= limits.run) {
+                visible.lines.push(Line::single(i, run));
+            }
+        }
+        if drawn(paths[i].kind) {
+            let own = visible.lines.iter().rev().take_while(|l| l.parts[0].0 == i);
+            own.for_each(|l| beside.tell(&paths[i], l.parts[0].1));
         }
     }
+    visible.runs = vec![Vec::new(); paths.len()];
+    for (i, run) in visible.lines.iter().flat_map(|l| &l.parts) {
+        visible.runs[*i].push(*run);
+    }
+    visible.runs.iter_mut().for_each(|r| r.sort_by(|a, b| a.start.total_cmp(&b.start)));
+    visible.lines.sort_by(|a, b| {
+        let (a, b) = (a.parts[0], b.parts[0]);
+        a.0.cmp(&b.0).then(a.1.start.total_cmp(&b.1.start))
+    });
     visible
+}
+
+/// Which of two lines side by side is drawn: the lower.
+fn strength(kind: Kind) -> usize {
+    Kind::ALL.iter().rev().position(|k| *k == kind).unwrap_or(0)
+}
+
+/// Lines without those that are too short, or short and beside a longer one.
+fn kept(
+    paths: &[Path],
+    lines: Vec<Line>,
+    limits: &Limits,
+    mut beside: Option<&mut Beside>,
+) -> Vec<Line> {
+    let long = |l: &Line| l.total(paths) >= SHORT * limits.run;
+    let tell = |beside: &mut Option<&mut Beside>, line: &Line| {
+        if let Some(b) = beside {
+            line.parts.iter().for_each(|(i, run)| b.tell(&paths[*i], *run));
+        }
+    };
+    lines.iter().filter(|l| long(l)).for_each(|l| tell(&mut beside, l));
+    let mut stays = |line: &Line| {
+        if long(line) {
+            return true;
+        }
+        let alone = beside.as_ref().is_none_or(|b| {
+            let shares = line.parts.iter().map(|(i, run)| b.share(&paths[*i], *run));
+            shares.fold(1.0, f64::min) < MOSTLY
+        });
+        let stays = line.total(paths) >= limits.run && alone;
+        if stays {
+            tell(&mut beside, line);
+        }
+        stays
+    };
+    lines.into_iter().filter(|l| stays(l)).collect()
 }
 
 /// A crease as the pair of faces beside it.
@@ -148,10 +236,11 @@ impl Looker<'_> {
         counts.stretches += 1;
         let sees = |i: usize| self.sees(self.path.place_at(at(i)));
         // Most stretches are of one mind: a few votes tell.
-        if count > PROBES {
-            let probe = |k: usize| sees((2 * k + 1) * count / (2 * PROBES));
+        let probes = PROBES[0].max(count / PROBES[1]);
+        if count > probes {
+            let probe = |k: usize| sees((2 * k + 1) * count / (2 * probes));
             let first = probe(0);
-            if (1..PROBES).all(|k| probe(k) == first) {
+            if (1..probes).all(|k| probe(k) == first) {
                 labels.push(Label { start, end, seen: first });
                 return;
             }
@@ -159,11 +248,19 @@ impl Looker<'_> {
         let votes: Vec<bool> = (0..count).map(sees).collect();
         let share = votes.iter().filter(|v| **v).count() as f64 / count as f64;
         let agree = share >= AGREE || share <= 1.0 - AGREE;
-        if agree || to - from < 2.0 * SPACING {
-            labels.push(Label { start, end, seen: share > 0.5 });
+        let most = share > 0.5;
+        // Few that stand together are right, few that are scattered are not.
+        let rows = || votes.chunk_by(|a, b| a == b);
+        let firm = rows().any(|r| r[0] != most && r.len() >= ROW);
+        if (agree && !firm) || to - from < 2.0 * SPACING {
+            labels.push(Label { start, end, seen: most });
             return;
         }
         counts.split += 1;
+        let short = |r: &[bool]| agree && r[0] != most && r.len() < ROW;
+        let votes: Vec<bool> = rows()
+            .flat_map(|r| std::iter::repeat_n(if short(r) { most } else { r[0] }, r.len()))
+            .collect();
         self.split(start, end, &votes, at, labels);
     }
 
@@ -215,14 +312,14 @@ impl Looker<'_> {
     }
 }
 
-/// Labels to visible runs: joined, gaps bridged, short runs dropped; on closed paths across the
-/// first point too.
-fn runs(path: &Path, labels: Vec<Label>, limits: &Limits, taken: &HashSet<EdgeKey>) -> Vec<Run> {
+/// Labels to visible runs, gaps below `limit` pixels bridged; on closed paths across the first point
+/// too.
+fn runs(path: &Path, labels: Vec<Label>, limit: f64, taken: &HashSet<EdgeKey>) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for label in labels.iter().filter(|l| l.seen) {
         match runs.last_mut() {
             Some(last)
-                if bridged(path, last.end, label.start, limits)
+                if bridged(path, last.end, label.start, limit)
                     || vacant(path, last.end, label.start, taken) =>
             {
                 last.end = label.end;
@@ -235,7 +332,7 @@ fn runs(path: &Path, labels: Vec<Label>, limits: &Limits, taken: &HashSet<EdgeKe
         let (first, last) = (runs[0], runs[runs.len() - 1]);
         let gap = path.total() - path.length_at(last.end) + path.length_at(first.start);
         let drawn = [last.end, n, 0.0, first.start];
-        if gap < limits.gap && continuous(path, &drawn) {
+        if gap < limit && continuous(path, &drawn) {
             if runs.len() == 1 {
                 runs[0].end = runs[0].start + n;
             } else {
@@ -245,13 +342,16 @@ fn runs(path: &Path, labels: Vec<Label>, limits: &Limits, taken: &HashSet<EdgeKe
             }
         }
     }
-    runs.retain(|r| run_length(path, *r) >= limits.run);
     runs
 }
 
-/// The parts of a path inside the picture that its visible runs leave, those below `shortest`
-/// pixels left out.
-pub(crate) fn hidden(path: &Path, runs: &[Run], shortest: f64) -> Vec<Run> {
+/// The parts of a path inside the picture that its visible runs leave; those below `shortest`
+/// pixels left out, and those that are a silhouette's.
+pub(crate) fn hidden<'a>(
+    path: &Path,
+    runs: impl Iterator<Item = &'a Run>,
+    shortest: f64,
+) -> Vec<Run> {
     let n = path.segments.len() as f64;
     let mut covered: Vec<[Place; 2]> = Vec::new();
     for run in runs {
@@ -260,7 +360,8 @@ pub(crate) fn hidden(path: &Path, runs: &[Run], shortest: f64) -> Vec<Run> {
             covered.push([0.0, run.end - n]);
         }
     }
-    let outside = (0..path.segments.len()).filter(|&k| path.segments[k].outside);
+    let outside = |k: &usize| path.segments[*k].outside || path.segments[*k].shared;
+    let outside = (0..path.segments.len()).filter(outside);
     covered.extend(outside.map(|k| [k as f64, (k + 1) as f64]));
     covered.push([n, n]);
     covered.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -268,7 +369,7 @@ pub(crate) fn hidden(path: &Path, runs: &[Run], shortest: f64) -> Vec<Run> {
     let mut hidden = Vec::new();
     for [start, end] in covered {
         let run = Run { start: from, end: start };
-        if start > from && run_length(path, run) >= shortest {
+        if start > from && path.run_length(run) >= shortest {
             hidden.push(run);
         }
         from = end.max(from);
@@ -284,11 +385,11 @@ fn continuous(path: &Path, places: &[Place]) -> bool {
     })
 }
 
-fn bridged(path: &Path, from: Place, to: Place, limits: &Limits) -> bool {
+fn bridged(path: &Path, from: Place, to: Place, limit: f64) -> bool {
     from == to
-        || (path.length_at(to) - path.length_at(from) < limits.gap
+        || (path.length_at(to) - path.length_at(from) < limit
             && continuous(path, &[from, to])
-            && straight(path, from, to) < limits.gap)
+            && straight(path, from, to) < limit)
 }
 
 /// Distance in the picture between two places.
@@ -300,18 +401,8 @@ fn straight(path: &Path, from: Place, to: Place) -> f64 {
     at(from).distance(at(to))
 }
 
-/// Picture length of a run.
-pub(crate) fn run_length(path: &Path, run: Run) -> f64 {
-    let n = path.segments.len() as f64;
-    if run.end > n {
-        path.total() - path.length_at(run.start) + path.length_at(run.end - n)
-    } else {
-        path.length_at(run.end) - path.length_at(run.start)
-    }
-}
-
 /// A segment in the picture.
-struct Line {
+struct Straight {
     path: u32,
     index: u32,
     a: DVec2,
@@ -338,12 +429,12 @@ fn crossings(paths: &[Path], view: &View) -> Vec<Vec<Place>> {
     cuts
 }
 
-fn lines(paths: &[Path]) -> Vec<Line> {
+fn lines(paths: &[Path]) -> Vec<Straight> {
     let mut lines = Vec::new();
     for (p, path) in paths.iter().enumerate() {
         for (k, segment) in path.segments.iter().enumerate() {
             if let (Some(a), Some(b), false) = (path.seen[k], path.seen[k + 1], segment.buried) {
-                lines.push(Line {
+                lines.push(Straight {
                     path: p as u32,
                     index: k as u32,
                     a: a.at,
@@ -358,7 +449,7 @@ fn lines(paths: &[Path]) -> Vec<Line> {
 }
 
 /// Cuts the farther of two segments where they cross.
-fn cross(a: &Line, b: &Line, here: impl Fn(DVec2) -> bool, cuts: &mut [Vec<Place>]) {
+fn cross(a: &Straight, b: &Straight, here: impl Fn(DVec2) -> bool, cuts: &mut [Vec<Place>]) {
     let apart = |p: f64, q: f64, r: f64, s: f64| p.max(q) < r.min(s) || r.max(s) < p.min(q);
     if apart(a.a.x, a.b.x, b.a.x, b.b.x) || apart(a.a.y, a.b.y, b.a.y, b.b.y) {
         return;
@@ -374,7 +465,7 @@ fn cross(a: &Line, b: &Line, here: impl Fn(DVec2) -> bool, cuts: &mut [Vec<Place
         return;
     }
     // Depth is not linear in the picture, its inverse is; on short segments both will do.
-    let depth = |l: &Line, t: f64| 1.0 / (1.0 / l.depth[0] * (1.0 - t) + t / l.depth[1]);
+    let depth = |l: &Straight, t: f64| 1.0 / (1.0 / l.depth[0] * (1.0 - t) + t / l.depth[1]);
     let (za, zb) = (depth(a, s), depth(b, t));
     // What passes through a surface is hidden from there on.
     let meet = (za - zb).abs() < MEET * za;
@@ -403,7 +494,7 @@ struct Cells {
 }
 
 impl Cells {
-    fn of(lines: &[Line], view: &View) -> Self {
+    fn of(lines: &[Straight], view: &View) -> Self {
         let cells = |p: usize| (p as f64 / CELL).ceil() as usize + 2;
         let mut this = Self {
             columns: cells(view.size.0),
@@ -441,7 +532,7 @@ impl Cells {
         Some(y * self.columns + x)
     }
 
-    fn each(&self, line: &Line, mut visit: impl FnMut(usize)) {
+    fn each(&self, line: &Straight, mut visit: impl FnMut(usize)) {
         let (top, bottom) = if line.a.y <= line.b.y { (line.a, line.b) } else { (line.b, line.a) };
         let (y0, y1) = (self.grid(top).1, self.grid(bottom).1);
         let slope = (bottom.x - top.x) / (bottom.y - top.y);

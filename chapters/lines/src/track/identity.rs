@@ -5,7 +5,7 @@
 //!    frame; where it meets a visible stroke, the two strokes are linked by the element's length.
 //!    So a line that was hidden for a while finds its old stroke again.
 //! 2. With the whole film known, strokes are joined by their heaviest links first; never two of one
-//!    frame unless they are parts of one chain, with a hidden part of it between them. The joined
+//!    frame unless they are parts of one line, with a hidden part of it between them. The joined
 //!    strokes share an id: so what passes in front of a line does not change its id.
 
 use crate::surface::NONE;
@@ -38,8 +38,6 @@ impl Strands {
 pub struct Identity {
     /// The frame of each stroke of the film.
     frames: Vec<u32>,
-    /// The chain of each stroke, a number that no other chain of its frame has.
-    chains: Vec<u32>,
     /// Where each frame's strokes begin.
     first: Vec<u32>,
     /// The last stroke of each element, by family.
@@ -48,15 +46,13 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// Goes on to a frame. `chains`: for each of its strokes a number that tells its chain from
-    /// others of the frame; `families`: elements of this frame with, for each
+    /// Goes on to a frame of so many strokes; `families`: elements of this frame with, for each
     /// element of the frame before, the one that it becomes; without it nothing is remembered.
-    pub fn advance(&mut self, chains: &[u32], families: &[(&Strands, Option<&[u32]>)]) {
+    pub fn advance(&mut self, strokes: usize, families: &[(&Strands, Option<&[u32]>)]) {
         let frame = self.first.len() as u32;
         let base = self.frames.len() as u32;
         self.first.push(base);
-        self.frames.extend(std::iter::repeat_n(frame, chains.len()));
-        self.chains.extend(chains);
+        self.frames.extend(std::iter::repeat_n(frame, strokes));
         let old = std::mem::take(&mut self.memory);
         let mut old = old.into_iter().chain(std::iter::repeat(Vec::new()));
         for (strands, forward) in families {
@@ -106,9 +102,10 @@ impl Identity {
         self.first[frame] + stroke as u32
     }
 
-    /// An id for every stroke of every frame, numbered as they appear.
-    pub fn ids(self) -> Vec<Vec<u32>> {
-        let mut groups = Groups::of(&self.frames, &self.chains);
+    /// An id for every stroke of every frame, numbered as they appear. `lines`: for each stroke of the
+    /// film a number that it shares with those of its frame that may have the same id.
+    pub fn ids(self, lines: &[u32]) -> Vec<Vec<u32>> {
+        let mut groups = Groups::of(&self.frames, lines);
         let mut links: Vec<((u32, u32), f64)> = self.links.into_iter().collect();
         links.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         for ((a, b), _) in links {
