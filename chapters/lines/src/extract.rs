@@ -80,11 +80,10 @@ impl Lines {
         paths.extend(scenery.silhouettes(&slice, &g));
         let sets = zero_sets(&scenery, &g, knobs);
         paths.extend(sets.iter().flat_map(|set| scenery.trimmed(set)));
-        let sight = Sight::new(surface, moment.posed, view, |face, front| {
+        let sight = Sight::new(surface, moment.posed, view, Some(masks), |face, front| {
             let source = &surface.sources[face];
             source.opaque && (source.two_sided || front != source.turned)
-        })
-        .with_masks(masks);
+        });
         if knobs.intersection {
             paths.extend(intersections(&scenery, &sight));
         }

@@ -1,6 +1,7 @@
-//! Lines along which pieces of the surface pass through each other.
+//! Lines along which pieces of the surface pass through each other, or through themselves.
 //!
-//! 1. Faces of different pieces that share a tile of the picture and of space are tried in pairs. Nothing is tried where the surface is one piece, and a piece is not tried against itself.
+//! 1. Faces that share a tile of the picture and of space are tried in pairs, unless they share a
+//!    corner. Beyond [`MANY`] faces pieces are tried against others alone.
 //! 2. Two faces share a segment. Its ends are where an edge of one goes through the other, and so
 //!    belong to the neighbour across that edge too: by them segments are chained.
 //!
@@ -17,6 +18,9 @@ use std::collections::{BTreeMap, HashMap};
 /// a floor only touch it.
 const TOUCH: f64 = 1e-5;
 
+/// Faces beyond which no piece is tried against itself.
+const MANY: usize = 100_000;
+
 /// An edge that goes through a face: its creases' two sides are one.
 type Hole = (u32, u32);
 
@@ -29,7 +33,7 @@ struct Shared {
 /// The paths along which pieces meet, where the picture may show them.
 pub(crate) fn intersections(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Path> {
     let pieces = &scenery.surface.pieces;
-    if pieces.iter().all(|p| *p == 0) {
+    if pieces.len() > MANY && pieces.iter().all(|p| *p == 0) {
         return Vec::new();
     }
     let edges = Edges::of(scenery.surface);
@@ -74,27 +78,29 @@ impl Boxed {
     }
 }
 
-/// Faces of different pieces that pass through each other's planes in the picture, each pair once,
-/// rising.
+/// Faces that pass through each other's planes in the picture, each pair once, rising.
 fn pairs(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<(u32, u32)> {
     let pieces = &scenery.surface.pieces;
     let piece = |b: &Boxed| pieces[b.face as usize];
-    let regions = regions(scenery);
+    let (regions, all) = (regions(scenery), pieces.len() <= MANY);
+    let tried = |a: &Boxed, b: &Boxed| {
+        piece(a) != piece(b) || (all && !touch(scenery.surface, a.face, b.face))
+    };
     let mut pairs = Vec::new();
     let mut here: Vec<Boxed> = Vec::new();
     for faces in sight.tiles() {
         let first = faces.first().map(|f| pieces[*f as usize]);
-        if faces.iter().all(|f| Some(pieces[*f as usize]) == first) {
+        if !all && faces.iter().all(|f| Some(pieces[*f as usize]) == first) {
             continue;
         }
         here.clear();
         let boxes = faces.iter().map(|&f| Boxed::of(f, scenery));
-        here.extend(boxes.filter(|b| regions[piece(b) as usize].meets(b)));
+        here.extend(boxes.filter(|b| all || regions[piece(b) as usize].meets(b)));
         here.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.face.cmp(&b.face)));
         for (i, a) in here.iter().enumerate() {
             for b in here[i + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
-                if piece(a) != piece(b)
-                    && a.meets(b)
+                if a.meets(b)
+                    && tried(a, b)
                     && is_split(scenery, a.face, b.face)
                     && is_split(scenery, b.face, a.face)
                 {
@@ -106,6 +112,13 @@ fn pairs(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<(u32, u32)> {
     pairs.sort_unstable();
     pairs.dedup();
     pairs
+}
+
+/// Whether two faces share a corner; the sides of a crease do.
+fn touch(surface: &Surface, a: u32, b: u32) -> bool {
+    let corners = |f: u32| surface.faces[f as usize].map(|v| surface.anchors[v as usize]);
+    let (a, b) = (corners(a), corners(b));
+    a.iter().any(|p| b.contains(p))
 }
 
 /// For each piece, a box that holds all of it that is within the boxes of others.

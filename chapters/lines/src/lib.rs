@@ -38,12 +38,13 @@
 //! # chiaro_basis::Result::Ok(())
 //! ```
 //!
-//! Not guaranteed: contacts one or two triangles wide may be shown or hidden wrongly; a piece that
-//! passes through itself shows no line there.
+//! Not guaranteed: contacts one or two triangles wide may be shown or hidden wrongly; a surface of more
+//! than 100 000 faces shows no line where a piece of it passes through itself.
 
 mod beside;
 pub mod check;
 pub mod contour;
+mod cover;
 mod curvature;
 mod extract;
 mod feature;

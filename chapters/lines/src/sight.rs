@@ -3,7 +3,9 @@
 //! Every ray of visibility ends in the eye, so the picture itself is the index: faces are sorted
 //! into square tiles of it, and a point is compared with the faces of its tile alone. Faces are
 //! crossed in homogeneous coordinates, so that those that reach behind the camera need no clipping.
+//! Where there are many faces most are hidden: a depth buffer ([`Cover`]) answers first.
 
+use crate::cover::Cover;
 use crate::mask::Masks;
 use crate::posed::Posed;
 use crate::surface::{NONE, Surface};
@@ -12,6 +14,8 @@ use chiaro_basis::math::DVec2;
 
 /// Side of a tile in pixels.
 const TILE: f64 = 8.0;
+/// Faces from which a depth buffer is worth its while.
+const MANY: usize = 50_000;
 
 /// Faces of one frame, sorted into tiles.
 pub struct Sight<'a> {
@@ -25,6 +29,7 @@ pub struct Sight<'a> {
     /// Beside each of `faces`, what it surely stays within: questions touch little else.
     bounds: Vec<Bounds>,
     masks: Option<&'a Masks>,
+    cover: Option<Cover>,
 }
 
 /// Least and greatest picture position of a face, and its least depth; a little too wide.
@@ -55,11 +60,12 @@ impl Bounds {
 
 impl<'a> Sight<'a> {
     /// Sorts the faces that `hides` admits. `hides(face, front)`: whether a face that shows its
-    /// front or its back to the camera hides what is behind.
+    /// front or its back to the camera hides what is behind; `masks`: holes in faces.
     pub fn new(
         surface: &'a Surface,
         posed: &Posed,
         view: &View,
+        masks: Option<&'a Masks>,
         hides: impl Fn(usize, bool) -> bool,
     ) -> Self {
         let vertices: Vec<[f64; 4]> =
@@ -67,7 +73,7 @@ impl<'a> Sight<'a> {
         let near = f64::from(view.pose.near).max(1e-9);
         let (columns, rows) = (tiles(view.size.0), tiles(view.size.1));
         let mut spans = Vec::new();
-        let mut start = vec![0u32; columns * rows + 1];
+        let mut cover = (surface.real_faces >= MANY).then(|| Cover::new(view));
         for (f, face) in surface.faces[..surface.real_faces].iter().enumerate() {
             let corners = face.map(|v| vertices[v as usize]);
             let Some(front) = shows_front(&corners) else { continue };
@@ -78,7 +84,21 @@ impl<'a> Sight<'a> {
             let Some(span) = span(low, high, columns, rows) else { continue };
             let nearest = corners.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
             spans.push((f as u32, span, Bounds::of(low, high, nearest)));
-            for_tiles(span, columns, |t| start[t + 1] += 1);
+            if let Some(cover) = &mut cover
+                && nearest > near
+                && masks.is_none_or(|m| !m.has(f as u32))
+            {
+                cover.add(&corners);
+            }
+        }
+        let tiles = cover.as_ref().map(|c| c.tiles(TILE as usize, columns, rows));
+        let matters = |tile: usize, bound: &Bounds| match (&cover, &tiles) {
+            (Some(cover), Some(tiles)) => !cover.is_behind(f64::from(bound.near), tiles[tile]),
+            _ => true,
+        };
+        let mut start = vec![0u32; columns * rows + 1];
+        for (_, span, bound) in &spans {
+            for_tiles(*span, columns, |t| start[t + 1] += u32::from(matters(t, bound)));
         }
         for t in 0..columns * rows {
             start[t + 1] += start[t];
@@ -88,18 +108,15 @@ impl<'a> Sight<'a> {
         let mut bounds = vec![Bounds::NONE; faces.len()];
         for (f, span, bound) in spans {
             for_tiles(span, columns, |t| {
+                if !matters(t, &bound) {
+                    return;
+                }
                 faces[at[t] as usize] = f;
                 bounds[at[t] as usize] = bound;
                 at[t] += 1;
             });
         }
-        Self { surface, vertices, columns, rows, start, faces, bounds, masks: None }
-    }
-
-    /// The same with holes in faces.
-    #[must_use]
-    pub fn with_masks(self, masks: &'a Masks) -> Self {
-        Self { masks: Some(masks), ..self }
+        Self { surface, vertices, columns, rows, start, faces, bounds, masks, cover }
     }
 
     /// Whether a picture position is in holes of all of these faces ([`NONE`] left out).
@@ -132,6 +149,9 @@ impl<'a> Sight<'a> {
         let (tx, ty) = ((at.x / TILE).floor(), (at.y / TILE).floor());
         if !(tx >= 0.0 && ty >= 0.0 && tx < self.columns as f64 && ty < self.rows as f64) {
             return false;
+        }
+        if self.cover.as_ref().is_some_and(|c| c.hides(at, depth)) {
+            return true;
         }
         let tile = ty as usize * self.columns + tx as usize;
         let range = self.start[tile] as usize..self.start[tile + 1] as usize;

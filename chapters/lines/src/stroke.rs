@@ -228,13 +228,16 @@ fn places(path: &Path, run: Run, step: f64, closed: bool) -> Vec<Place> {
     stops.extend(corners(path, run).into_iter().map(length));
     stops.push(to);
     let mut places = Vec::new();
-    for pair in stops.windows(2).filter(|p| p[1] - p[0] > 1e-3) {
+    for pair in stops.windows(2).filter(|p| p[1] - p[0] > TOUCHING) {
         let count = ((pair[1] - pair[0]) / step).ceil().max(1.0);
         places.extend(
             (0..count as usize).map(|i| at(pair[0] + (pair[1] - pair[0]) * i as f64 / count)),
         );
     }
     if !closed || places.is_empty() {
+        while places.last().is_some_and(|p| to - length(*p) < TOUCHING) && places.len() > 1 {
+            places.pop();
+        }
         places.push(run.end);
     }
     places

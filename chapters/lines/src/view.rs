@@ -63,6 +63,11 @@ impl View {
             .then(|| Seen { at: DVec2::new(x / w, y / w), depth })
     }
 
+    /// Whether what is farther is smaller.
+    pub fn perspective(&self) -> bool {
+        self.perspective
+    }
+
     /// The size of a pixel at a depth, in scene units.
     pub fn pixel(&self, depth: f64) -> f64 {
         if self.perspective { depth / self.scale } else { self.scale.recip() }

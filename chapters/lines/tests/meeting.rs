@@ -124,3 +124,30 @@ fn holes_of_a_masked_sheet_hide_nothing_and_have_no_border() {
     assert!(seen.iter().any(|s| high(&s) && s.world.x > 0.5), "the sheet has its border");
     assert!(!seen.iter().any(|s| high(&s) && s.world.x < -0.2), "but not round the hole");
 }
+
+#[test]
+fn a_piece_that_goes_through_itself_shows_where() {
+    // A long sheet rolled up until its ends cross: x, y as a loop with a knot, z across
+    // and a little askew, so that no edge meets another.
+    let (n, m) = (160, 12);
+    let place = |i: usize, j: usize| {
+        let t = (i as f32 / n as f32 - 0.5) * 4.2;
+        vec3(t * t * t - t, t * t - 1.0, j as f32 / m as f32 - 0.5 + 0.013 * t)
+    };
+    let positions: Vec<Vec3> = (0..=n).flat_map(|i| (0..=m).map(move |j| place(i, j))).collect();
+    let at = |i: usize, j: usize| (i * (m + 1) + j) as u32;
+    let quads = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+    let triangles: Vec<[u32; 3]> = quads
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let frame = from_above(&scene(positions, triangles, true));
+    let lines: Vec<_> = frame.strokes.iter().filter(|s| s.kind == Kind::Intersection).collect();
+    assert!(!lines.is_empty());
+    // The curve (t^3 - t, t^2 - 1) meets itself at t = 1 and -1: in the origin.
+    for s in lines.iter().flat_map(|s| &s.samples) {
+        assert!(s.world.x.hypot(s.world.y) < 0.02, "{}", s.world);
+    }
+}

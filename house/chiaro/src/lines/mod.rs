@@ -25,12 +25,14 @@ use chiaro_basis::{Error, Result, Run};
 use chiaro_binary::BinaryKnobs;
 use chiaro_image::codec;
 use chiaro_image::colour::srgb_encode;
+use chiaro_ink::Travel;
 use chiaro_lines::check::check;
 use chiaro_lines::parameter::{Solved, parameterize};
 use chiaro_lines::{Film, LinesKnobs, Reel, View};
 use chiaro_scene::Frame;
 use ready::Names;
 use serde_json::{Map, Value};
+use std::cell::Cell;
 pub use style::LineStyle;
 
 /// Frames on which the default view is framed, at most.
@@ -201,7 +203,13 @@ impl Job<'_> {
         }
         if !missing.is_empty() || self.measure {
             let shot = Shot::track(self.project, camera, knobs, run)?;
-            let job = Writing { job: self, shot: &shot, encoding, recipe: &recipe };
+            let job = Writing {
+                job: self,
+                shot: &shot,
+                encoding,
+                recipe: &recipe,
+                travel: Cell::default(),
+            };
             match &regions {
                 Some(regions) => {
                     let deliver =
@@ -210,7 +218,11 @@ impl Job<'_> {
                 }
                 None => job.pages(&missing, &mut frames, run)?,
             }
-            frames.measured(missing.first().copied().unwrap_or(0), measures(&shot));
+            let mut measures = measures(&shot);
+            if encoding == Encoding::Svg && !missing.is_empty() {
+                measures.extend(pen_way(job.travel.get()));
+            }
+            frames.measured(missing.first().copied().unwrap_or(0), measures);
         }
         frames.finish(self.project.options.fps, &mut record, run)?;
         record.settings = settings;
@@ -254,6 +266,8 @@ struct Writing<'a> {
     shot: &'a Shot,
     encoding: Encoding,
     recipe: &'a dyn Fn(u32) -> String,
+    /// The pen's way over all frames so far.
+    travel: Cell<Travel>,
 }
 
 impl Writing<'_> {
@@ -295,7 +309,9 @@ impl Writing<'_> {
                     Some(Beneath::Layers(layers)) => layers,
                     _ => Vec::new(),
                 };
-                svg::svg((self.shot, number), self.job, layers, recipe).map(String::into_bytes)
+                let (svg, way) = svg::svg((self.shot, number), self.job, layers, recipe)?;
+                self.travel.set(self.travel.get() + way);
+                Ok(svg.into_bytes())
             }
             Encoding::Png => codec::write_png_rgba(&draw(beneath), Some(&recipe)),
         })?;
@@ -313,6 +329,11 @@ fn measures(shot: &Shot) -> Map<String, Value> {
     named.push(("cut_links", solved.cut as f64));
     named.push(("mended_folds", solved.mended as f64));
     counts(named)
+}
+
+/// The way of a pen, down and up, for the record.
+fn pen_way(travel: Travel) -> Map<String, Value> {
+    counts(vec![("pen_down_mm", travel.down), ("pen_up_mm", travel.up)])
 }
 
 fn counts(named: Vec<(&'static str, f64)>) -> Map<String, Value> {

@@ -16,7 +16,7 @@ use super::ready::{Drawn, ready};
 use super::{Job, Shot};
 use chiaro_basis::Result;
 use chiaro_ink::brush::{Rib, Ribbon, ribbons, rim};
-use chiaro_ink::{Drawing, Fit, Layer, Mark, Path, Placement, Point, Segment, fit, route};
+use chiaro_ink::{Drawing, Fit, Layer, Mark, Path, Placement, Point, Segment, Travel, fit, route};
 use chiaro_lines::Kind;
 use std::collections::BTreeMap;
 
@@ -25,13 +25,14 @@ const TOLERANCE: f64 = 0.02;
 /// Turns that stay corners, radians.
 const CORNER: f64 = 0.7;
 
-/// A frame's strokes, over the layers of what is beneath.
+/// A frame's strokes, over the layers of what is beneath, and the pen's way along them where all of a
+/// layer is drawn by one.
 pub(super) fn svg(
     (shot, number): (&Shot, u32),
     job: &Job<'_>,
     beneath: Vec<Layer>,
     recipe: String,
-) -> Result<String> {
+) -> Result<(String, Travel)> {
     let placement = job.look.print.sheet.place(shot.camera.size)?;
     let colours = &job.look.colours;
     let background = colours.background;
@@ -44,6 +45,7 @@ pub(super) fn svg(
     };
     let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
     let mut pen = Pen { job, placement: &placement, parts: BTreeMap::new() };
+    let mut travel = Travel::default();
     let rims: Vec<Mark> = drawn.iter().enumerate().filter_map(|(i, d)| pen.rim(i, d)).collect();
     if !rims.is_empty() {
         drawing.layers.push(Layer { name: "rims".into(), marks: rims });
@@ -54,12 +56,13 @@ pub(super) fn svg(
                 drawn.iter().filter(|d| d.stroke.kind == kind && d.stroke.visible == visible);
             let marks: Vec<Mark> = of_kind.filter_map(|d| pen.mark(d)).collect();
             if !marks.is_empty() {
-                let marks = routed(marks);
+                let (marks, way) = routed(marks);
+                travel = travel + way;
                 drawing.layers.push(Layer { name: format!("{prefix}{}", kind.name()), marks });
             }
         }
     }
-    Ok(drawing.to_svg())
+    Ok((drawing.to_svg(), travel))
 }
 
 struct Pen<'a> {
@@ -174,8 +177,8 @@ fn data(drawn: &Drawn<'_>) -> Vec<(&'static str, String)> {
     data
 }
 
-/// Marks in an order and direction that spares a pen travel, where all are drawn by one.
-fn routed(marks: Vec<Mark>) -> Vec<Mark> {
+/// Marks in an order and direction that spares a pen travel, where all are drawn by one, and its way.
+fn routed(marks: Vec<Mark>) -> (Vec<Mark>, Travel) {
     // A mark of several paths is drawn from the first to the last, as if it were one line.
     let way = |m: &Mark| match m {
         Mark::Named { paths, .. } => match &paths[..] {
@@ -191,17 +194,18 @@ fn routed(marks: Vec<Mark>) -> Vec<Mark> {
     };
     let ways: Vec<Path> = marks.iter().filter_map(way).collect();
     if ways.len() < marks.len() {
-        return marks;
+        return (marks, Travel::default());
     }
     let mut marks: Vec<Option<Mark>> = marks.into_iter().map(Some).collect();
-    let (order, _) = route(ways.clone());
-    order
+    let (order, travel) = route(ways.clone());
+    let marks = order
         .into_iter()
         .filter_map(|(i, path)| {
             let back = !path.closed && path != ways[i];
             marks[i].take().map(|m| if back { reversed(m) } else { m })
         })
-        .collect()
+        .collect();
+    (marks, travel)
 }
 
 /// A mark drawn from its end.
