@@ -1,8 +1,8 @@
 //! [`Cover`]: what surely hides, pixel by pixel, where there are many faces.
 //!
 //! A buffer of the nearest face at every pixel's centre. What lies well behind the four centres around it is
-//! hidden, and nobody needs to be asked; faces well behind all of a tile are of no interest to it. Holes
-//! between centres are below a pixel.
+//! hidden, and nobody needs to be asked; faces that are well behind everywhere hide nothing that is seen.
+//! Holes between centres are below a pixel.
 //!
 //! Stored is nearness, affine in the picture: 1 / depth, or -depth for orthographic cameras.
 
@@ -11,6 +11,8 @@ use chiaro_basis::math::DVec2;
 
 /// How far behind is well behind, in pixels of that depth.
 const BEHIND: f64 = 8.0;
+/// Greatest side of a part of the picture that is asked as a whole, pixels.
+const SMALL: f64 = 24.0;
 
 /// The nearest faces of a picture.
 pub(crate) struct Cover {
@@ -85,22 +87,19 @@ impl Cover {
             .all(|&i| self.near[i] > limit)
     }
 
-    /// For each square of `side` pixels, row by row, the least nearness in it and on its rim.
-    pub(crate) fn tiles(&self, side: usize, columns: usize, rows: usize) -> Vec<f32> {
-        let mut least = vec![f32::INFINITY; columns * rows];
-        for (tile, least) in least.iter_mut().enumerate() {
-            let (x, y) = (tile % columns * side, tile / columns * side);
-            let across = x.saturating_sub(1)..(x + side + 1).min(self.columns);
-            for y in y.saturating_sub(1)..(y + side + 1).min(self.rows) {
-                let row = &self.near[y * self.columns..(y + 1) * self.columns];
-                *least = row[across.clone()].iter().fold(*least, |a, b| a.min(*b));
-            }
+    /// Whether something well in front covers all of a small part of the picture, for what begins at a
+    /// depth.
+    pub(crate) fn buries(&self, low: DVec2, high: DVec2, depth: f64) -> bool {
+        let (w, h) = (self.columns as f64, self.rows as f64);
+        let (low, high) = ((low - 0.5).floor(), (high - 0.5).ceil());
+        let inside = low.x >= 0.0 && low.y >= 0.0 && high.x < w && high.y < h;
+        if !inside || (high - low).max_element() > SMALL {
+            return false;
         }
-        least
-    }
-
-    /// Whether what begins at a depth is well behind all of a square of that least nearness.
-    pub(crate) fn is_behind(&self, depth: f64, least: f32) -> bool {
-        least > self.limit(depth)
+        let limit = self.limit(depth);
+        (low.y as usize..=high.y as usize).all(|y| {
+            let row = y * self.columns;
+            self.near[row + low.x as usize..=row + high.x as usize].iter().all(|q| *q > limit)
+        })
     }
 }

@@ -83,7 +83,7 @@ impl<'a> Sight<'a> {
             let Some((low, high)) = extent(&corners, near) else { continue };
             let Some(span) = span(low, high, columns, rows) else { continue };
             let nearest = corners.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
-            spans.push((f as u32, span, Bounds::of(low, high, nearest)));
+            spans.push((f as u32, span, Bounds::of(low, high, nearest), [low, high]));
             if let Some(cover) = &mut cover
                 && nearest > near
                 && masks.is_none_or(|m| !m.has(f as u32))
@@ -91,14 +91,12 @@ impl<'a> Sight<'a> {
                 cover.add(&corners);
             }
         }
-        let tiles = cover.as_ref().map(|c| c.tiles(TILE as usize, columns, rows));
-        let matters = |tile: usize, bound: &Bounds| match (&cover, &tiles) {
-            (Some(cover), Some(tiles)) => !cover.is_behind(f64::from(bound.near), tiles[tile]),
-            _ => true,
-        };
+        if let Some(cover) = &cover {
+            spans.retain(|s| !cover.buries(s.3[0], s.3[1], f64::from(s.2.near)));
+        }
         let mut start = vec![0u32; columns * rows + 1];
-        for (_, span, bound) in &spans {
-            for_tiles(*span, columns, |t| start[t + 1] += u32::from(matters(t, bound)));
+        for (_, span, ..) in &spans {
+            for_tiles(*span, columns, |t| start[t + 1] += 1);
         }
         for t in 0..columns * rows {
             start[t + 1] += start[t];
@@ -106,11 +104,8 @@ impl<'a> Sight<'a> {
         let mut at = start.clone();
         let mut faces = vec![0; start[columns * rows] as usize];
         let mut bounds = vec![Bounds::NONE; faces.len()];
-        for (f, span, bound) in spans {
+        for (f, span, bound, _) in spans {
             for_tiles(span, columns, |t| {
-                if !matters(t, &bound) {
-                    return;
-                }
                 faces[at[t] as usize] = f;
                 bounds[at[t] as usize] = bound;
                 at[t] += 1;
@@ -143,6 +138,16 @@ impl<'a> Sight<'a> {
         if weights.iter().sum::<f64>() < 0.0 { weights.map(|w| -w) } else { weights }
     }
 
+    /// Whether a depth buffer answers at all.
+    pub(crate) fn is_covered(&self) -> bool {
+        self.cover.is_some()
+    }
+
+    /// Whether the depth buffer, if there is one, knows that a place is hidden.
+    pub(crate) fn surely_hidden(&self, at: DVec2, depth: f64) -> bool {
+        self.cover.as_ref().is_some_and(|c| c.hides(at, depth))
+    }
+
     /// Whether some face other than `own` hides what is at a picture position, at least `slack`
     /// (scene units) nearer than `depth`. Outside the picture nothing is hidden.
     pub fn hidden(&self, at: DVec2, depth: f64, slack: f64, own: &[u32]) -> bool {
@@ -150,7 +155,7 @@ impl<'a> Sight<'a> {
         if !(tx >= 0.0 && ty >= 0.0 && tx < self.columns as f64 && ty < self.rows as f64) {
             return false;
         }
-        if self.cover.as_ref().is_some_and(|c| c.hides(at, depth)) {
+        if self.surely_hidden(at, depth) {
             return true;
         }
         let tile = ty as usize * self.columns + tx as usize;

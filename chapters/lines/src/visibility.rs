@@ -16,7 +16,7 @@ use crate::join::{Line, joined};
 use crate::path::{Kind, Path, Place, Segment};
 use crate::sight::Sight;
 use crate::surface::NONE;
-use crate::view::View;
+use crate::view::{Seen, View};
 use chiaro_basis::math::DVec2;
 use std::collections::HashSet;
 
@@ -90,11 +90,12 @@ pub fn visible(
     limits: &Limits,
     drawn: &dyn Fn(Kind) -> bool,
 ) -> Visible {
-    let mut cuts = crossings(paths, view);
+    let buried: Vec<Vec<bool>> = paths.iter().map(|p| buried(p, sight)).collect();
+    let mut cuts = crossings(paths, &buried, view);
     let mut visible = Visible::default();
     let mut taken = HashSet::new();
     let mut look = |i: usize, taken: &HashSet<EdgeKey>, visible: &mut Visible| {
-        let looker = Looker { path: &paths[i], sight, view };
+        let looker = Looker { path: &paths[i], buried: &buried[i], sight, view };
         let labels = looker.labels(std::mem::take(&mut cuts[i]), visible);
         runs(&paths[i], labels, limits.gap, taken)
     };
@@ -137,6 +138,18 @@ pub fn visible(
         a.0.cmp(&b.0).then(a.1.start.total_cmp(&b.1.start))
     });
     visible
+}
+
+/// For each segment of a path, whether it is surely hidden, ends and middle; empty where nothing tells
+/// without votes.
+fn buried(path: &Path, sight: &Sight<'_>) -> Vec<bool> {
+    if !sight.is_covered() {
+        return Vec::new();
+    }
+    let hidden = |s: &Option<Seen>| s.is_some_and(|s| sight.surely_hidden(s.at, s.depth));
+    let ends: Vec<bool> = path.seen.iter().map(hidden).collect();
+    let middle = |k: usize| hidden(&path.seen_at(k as f64 + 0.5));
+    (0..path.segments.len()).map(|k| ends[k] && ends[k + 1] && middle(k)).collect()
 }
 
 /// Which of two lines side by side is drawn: the lower.
@@ -205,6 +218,8 @@ struct Label {
 
 struct Looker<'a> {
     path: &'a Path,
+    /// Segments that are surely hidden; empty where that is not known.
+    buried: &'a [bool],
     sight: &'a Sight<'a>,
     view: &'a View,
 }
@@ -216,11 +231,15 @@ impl Looker<'_> {
         cuts.extend([0.0, segments.len() as f64]);
         let changes = (1..segments.len()).filter(|&k| segments[k].buried != segments[k - 1].buried);
         cuts.extend(changes.map(|k| k as f64));
+        let changes = (1..self.buried.len()).filter(|&k| self.buried[k] != self.buried[k - 1]);
+        cuts.extend(changes.map(|k| k as f64));
         cuts.sort_by(f64::total_cmp);
         let mut labels = Vec::new();
         for pair in cuts.windows(2).filter(|p| p[0] < p[1]) {
             let middle = ((0.5 * (pair[0] + pair[1])) as usize).min(segments.len() - 1);
-            if segments[middle].buried {
+            let within = pair[0] as usize..(pair[1].ceil() as usize).min(segments.len());
+            let gone = self.buried.get(within).is_some_and(|b| b.iter().all(|b| *b));
+            if segments[middle].buried || gone {
                 labels.push(Label { start: pair[0], end: pair[1], seen: false });
             } else {
                 self.stretch(pair[0], pair[1], &mut labels, counts);
@@ -411,9 +430,10 @@ struct Straight {
     kind: Kind,
 }
 
-/// For each path, the places where a nearer line crosses it.
-fn crossings(paths: &[Path], view: &View) -> Vec<Vec<Place>> {
-    let lines = lines(paths);
+/// For each path, the places where a nearer line crosses it. What is `buried` changes nothing that is
+/// seen.
+fn crossings(paths: &[Path], buried: &[Vec<bool>], view: &View) -> Vec<Vec<Place>> {
+    let lines = lines(paths, buried);
     let cells = Cells::of(&lines, view);
     let mut cuts: Vec<Vec<Place>> = paths.iter().map(|_| Vec::new()).collect();
     for (cell, members) in cells.members() {
@@ -429,11 +449,12 @@ fn crossings(paths: &[Path], view: &View) -> Vec<Vec<Place>> {
     cuts
 }
 
-fn lines(paths: &[Path]) -> Vec<Straight> {
+fn lines(paths: &[Path], buried: &[Vec<bool>]) -> Vec<Straight> {
     let mut lines = Vec::new();
     for (p, path) in paths.iter().enumerate() {
         for (k, segment) in path.segments.iter().enumerate() {
-            if let (Some(a), Some(b), false) = (path.seen[k], path.seen[k + 1], segment.buried) {
+            let gone = segment.buried || buried[p].get(k).is_some_and(|b| *b);
+            if let (Some(a), Some(b), false) = (path.seen[k], path.seen[k + 1], gone) {
                 lines.push(Straight {
                     path: p as u32,
                     index: k as u32,
