@@ -126,3 +126,36 @@ fn a_ring_that_goes_through_another_ends_where_it_goes_under() {
     let [hidden, shown] = errors(p, t, vec3(2.0, 3.0, 4.0));
     assert!(hidden < 5e-3 && shown < 5e-3, "{hidden} {shown}");
 }
+
+#[test]
+fn an_outline_runs_on_from_loop_to_loop() {
+    // A ball with noise: its outline is made of many loops.
+    let (n, m) = (120u32, 60u32);
+    let tau = std::f32::consts::TAU;
+    let place = |k: u32| {
+        let (i, j) = (k % n, k / n);
+        let (u, v) = (tau * i as f32 / n as f32, 0.5 * tau * (j as f32 + 0.5) / m as f32);
+        let noise = 1.0 + 0.01 * ((17 * i) as f32).sin() * ((23 * j) as f32).cos();
+        1.2 * noise * vec3(u.cos() * v.sin(), v.cos(), u.sin() * v.sin())
+    };
+    let positions: Vec<Vec3> = (0..n * m).map(place).collect();
+    let at = |i: u32, j: u32| j * n + i % n;
+    let cells = (0..m - 1).flat_map(|j| (0..n).map(move |i| (i, j)));
+    let triangles = cells.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    let scene = scene(positions, triangles.collect(), false);
+    let still = frame(&scene);
+    let strokes = |bridge: f32| {
+        let knobs = LinesKnobs { bridge, subdivide: 0, crease: false, ..LinesKnobs::default() };
+        let at = |_| (still.clone(), view(vec3(1.0, 1.0, 4.5)));
+        let reel = Reel { scene: &scene, count: 1, at: &at };
+        let film = Film::of(&reel, &knobs, &Run::default()).expect("nothing stops it");
+        let strokes = &film.frames[0].strokes;
+        let longest = strokes.iter().map(|s| s.total()).fold(0.0, f64::max);
+        (strokes.len(), longest)
+    };
+    let (apart, joined) = (strokes(0.0), strokes(4.0));
+    assert!(joined.1 > 1.5 * apart.1, "{apart:?} {joined:?}");
+}
