@@ -9,7 +9,6 @@
 use super::cut::Kept;
 use super::net::{Line, Net, strokes};
 use crate::film::Film;
-use crate::path::Kind;
 use std::collections::BTreeMap;
 
 /// Stretches of u may overlap by this share of the shorter, and by these pixels at least.
@@ -32,7 +31,7 @@ struct Span {
     /// Stretch of u in pixels; all of it where the line is closed.
     from: f64,
     to: f64,
-    /// A number that tells its chain from others of the frame.
+    /// A number that it shares with lines of its frame that may have one id.
     chain: u32,
 }
 
@@ -40,9 +39,9 @@ struct Span {
 /// u for each line.
 pub(crate) fn rename(film: &mut Film, net: &Net, kept: &Kept, scale: &[f64]) {
     let (mut spans, mut old) = (Vec::new(), Vec::new());
-    for s in film.frames.iter().flat_map(strokes) {
+    for (frame, s) in film.frames.iter().flat_map(|f| strokes(f).map(move |s| (f, s))) {
         let line = spans.len();
-        let chain = s.chain * Kind::ALL.len() as u32 + s.kind as u32;
+        let chain = film.line_of(frame, s);
         spans.push(span(&net.lines[line], &kept.u, scale[line], chain));
         old.push(s.id);
     }
