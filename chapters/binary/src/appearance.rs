@@ -25,11 +25,13 @@ pub enum Channel {
     Reflection,
     /// Base colour.
     Luminance,
+    /// Light that surfaces send each other. It is not rendered here: who knows of it puts it in.
+    Indirect,
 }
 
 impl Channel {
     /// All channels, in the order of [`Channels`].
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Half,
         Self::Lit,
         Self::Diffuse,
@@ -38,6 +40,7 @@ impl Channel {
         Self::Specular,
         Self::Reflection,
         Self::Luminance,
+        Self::Indirect,
     ];
 
     /// The name, as in the knobs and in EXR layers.
@@ -51,6 +54,7 @@ impl Channel {
             Self::Specular => "specular",
             Self::Reflection => "reflection",
             Self::Luminance => "luminance",
+            Self::Indirect => "indirect",
         }
     }
 
@@ -65,6 +69,7 @@ impl Channel {
             Self::Specular => knobs.specular,
             Self::Reflection => knobs.reflection,
             Self::Luminance => knobs.luminance,
+            Self::Indirect => knobs.indirect,
         }
     }
 
@@ -91,13 +96,14 @@ impl Channel {
 /// Channels of one picture; those that were not asked for are `None`.
 #[derive(Clone, Debug, Default)]
 pub struct Channels {
-    planes: [Option<Plane<f32>>; 8],
+    planes: [Option<Plane<f32>>; 9],
     /// The share of light that shadow rays let through; 1 where none were cast.
     pub reach: f32,
 }
 
 impl Channels {
-    /// Renders the channels for which `wanted` holds. With `shadows` off, nothing casts any.
+    /// Renders the channels for which `wanted` holds, indirect light left out. With `shadows` off,
+    /// nothing casts any.
     pub fn render(
         scene: &Lit<'_>,
         wanted: impl Fn(Channel) -> bool,
@@ -109,7 +115,7 @@ impl Channels {
         let mut channels = Self { reach: light.reach(), ..Self::default() };
         for (slot, channel) in channels.planes.iter_mut().zip(Channel::ALL) {
             if wanted(channel) {
-                *slot = Some(scene.plane(channel, &light, knobs, run)?);
+                *slot = scene.plane(channel, &light, knobs, run)?;
             }
         }
         Ok(channels)
@@ -199,9 +205,9 @@ impl Lit<'_> {
         light: &Light,
         knobs: &BinaryKnobs,
         run: &Run,
-    ) -> Result<Plane<f32>> {
+    ) -> Result<Option<Plane<f32>>> {
         let buffer = self.buffer;
-        Ok(match channel {
+        Ok(Some(match channel {
             Channel::Half => light.blend(0.5),
             Channel::Lit => light.blend(0.0),
             Channel::Diffuse => light.blend(1.0),
@@ -220,6 +226,7 @@ impl Lit<'_> {
             }
             Channel::Reflection => channel::reflection(self.tracer, self.surfaces, buffer, run)?,
             Channel::Luminance => channel::luminance(buffer),
-        })
+            Channel::Indirect => return Ok(None),
+        }))
     }
 }

@@ -472,7 +472,8 @@ mod tests {
     /// The light and the solid angle of a cut.
     fn light(tree: &dyn Hierarchy) -> [f32; 4] {
         let from = Vec3::new(0.5, 1.4, 0.5);
-        let chooser = Chooser { from, threshold: 0.004, near: 0.1, above: None, flat: false };
+        let chooser =
+            Chooser { from, threshold: 0.004, near: 0.1, mark: 0.1, above: None, flat: false };
         let mut splats = Vec::new();
         tree.cut(&chooser, &mut splats);
         splats.iter().fold([0.0; 4], |s, x| {

@@ -12,6 +12,8 @@ use chiaro_basis::math::Vec3;
 pub struct CubeBuffer {
     shape: CubeShape,
     texels: Vec<Texel>,
+    /// Distances and indices of splats, to be sorted.
+    order: Vec<u64>,
 }
 
 /// One texel.
@@ -23,6 +25,10 @@ pub struct Texel {
     pub coverage: f32,
     /// Distance times coverage.
     pub distance: f32,
+    /// Mean normal times coverage.
+    pub axis: Vec3,
+    /// The share in which something nearer than the near field's radius is.
+    pub near: f32,
 }
 
 /// Directions and solid angles of a cube's texels.
@@ -36,9 +42,15 @@ pub struct CubeShape {
 }
 
 /// Coverage above which a texel's radiance is divided by it.
-const NEARLY_FULL: f32 = 0.6;
+const NEARLY_FULL: f32 = 0.3;
+/// Coverage and what is near over which a surface is taken to go on in the near field.
+const GOES_ON: f32 = 0.7;
+/// What looks larger reaches into any texel, steradians.
+const WIDE: f32 = 1.0;
+/// The least coverage that is divided by.
+const LEAST_COVERAGE: f32 = 0.05;
 /// The mean coverage of the texels around it that this takes.
-const CLOSED: f32 = 0.8;
+const CLOSED: f32 = 0.75;
 
 impl CubeShape {
     /// A cube of `side` x `side` texels a face.
@@ -156,7 +168,7 @@ impl CubeBuffer {
     /// An empty buffer.
     pub fn new(shape: CubeShape) -> Self {
         let texels = vec![Texel::default(); shape.directions.len()];
-        Self { shape, texels }
+        Self { shape, texels, order: Vec::new() }
     }
 
     /// Empties it.
@@ -174,10 +186,16 @@ impl CubeBuffer {
         &self.texels
     }
 
-    /// Sorts splats by distance and adds them.
-    pub fn add_sorted(&mut self, splats: &mut [Splat]) {
-        splats.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        splats.iter().for_each(|s| self.add(s));
+    /// Adds splats by distance; of equal ones those that come first.
+    pub fn add_sorted(&mut self, splats: &[Splat]) {
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        // The bits of numbers that are not negative are in the order of the numbers.
+        let key = |(i, s): (usize, &Splat)| u64::from(s.distance.to_bits()) << 32 | i as u64;
+        order.extend(splats.iter().enumerate().map(key));
+        order.sort_unstable();
+        order.iter().for_each(|key| self.add(&splats[*key as u32 as usize]));
+        self.order = order;
     }
 
     /// Adds one splat behind all that are there. What it covers in all, before anything hides it, is
@@ -197,27 +215,71 @@ impl CubeBuffer {
         });
     }
 
+    /// Fills a texel with a flat piece of surface.
+    #[cfg(test)]
+    pub(crate) fn fill_flat(&mut self, i: usize, radiance: [f32; 3], distance: f32, axis: Vec3) {
+        let zero = Vec3::ZERO;
+        let splat =
+            Splat { direction: zero, distance, solid_angle: 0.0, radiance, axis, marks: false };
+        self.texels[i].cover(&splat, 1.0);
+    }
+
+    /// Finds the texels that discs reach into: squares about them twice as wide as they are.
+    pub(crate) fn touched<'a>(
+        &self,
+        discs: impl Iterator<Item = &'a Splat>,
+        texels: &mut Vec<bool>,
+    ) {
+        let side = self.shape.side;
+        texels.clear();
+        texels.resize(self.texels.len(), false);
+        for disc in discs {
+            // A slanted disc is as long as one that is not.
+            let cosine = disc.axis.dot(disc.direction).abs().max(1e-3);
+            let solid_angle = 4.0 * disc.solid_angle * (0.25 / cosine).max(1.0);
+            if solid_angle > WIDE {
+                texels.fill(true);
+                return;
+            }
+            let square = Square::of(&Splat { solid_angle, ..*disc }, side);
+            let base = square.face * side * side;
+            square.each(side, |texel, _| texels[base + texel] = true);
+        }
+    }
+
     /// Fills `share` of a texel, before any splat, with something at a distance.
     pub fn fill(&mut self, texel: usize, radiance: [f32; 3], distance: f32, share: f32) {
-        let splat = Splat { direction: Vec3::ZERO, distance, solid_angle: 0.0, radiance };
+        let zero = Vec3::ZERO;
+        let splat = Splat {
+            direction: zero,
+            distance,
+            solid_angle: 0.0,
+            radiance,
+            axis: zero,
+            marks: false,
+        };
         self.texels[texel].cover(&splat, share);
     }
 
-    /// A texel's radiance seen by the receiver: divided by its coverage where it is nearly full in
-    /// closed surroundings, and the holes are but cracks between splats.
+    /// A texel's radiance seen by the receiver: divided by its coverage where it [is closed](Self::is_closed).
     pub fn radiance(&self, texel: usize) -> [f32; 3] {
         let t = &self.texels[texel];
-        if t.coverage > NEARLY_FULL && t.coverage < 1.0 && self.around(texel) > CLOSED {
-            return t.light.map(|l| l / t.coverage);
-        }
-        t.light
+        if self.is_closed(texel) { t.light.map(|l| l / t.coverage) } else { t.light }
     }
 
     /// The share of a texel behind which nothing is seen, by the same rule.
     pub fn coverage(&self, texel: usize) -> f32 {
-        let own = self.texels[texel].coverage;
-        let closed = own > NEARLY_FULL && own < 1.0 && self.around(texel) > CLOSED;
-        if closed { 1.0 } else { own }
+        if self.is_closed(texel) { 1.0 } else { self.texels[texel].coverage }
+    }
+
+    /// Whether the holes of a texel are but cracks between splats: where it is nearly full in closed
+    /// surroundings; or where a surface that fills it goes on in the near field.
+    fn is_closed(&self, texel: usize) -> bool {
+        let t = &self.texels[texel];
+        let goes_on = t.near > 0.0 && t.coverage > LEAST_COVERAGE && t.coverage + t.near > GOES_ON;
+        (t.coverage > NEARLY_FULL || goes_on)
+            && t.coverage < 1.0
+            && (goes_on || self.around(texel) > CLOSED)
     }
 
     /// The mean coverage of the texels around one, on its face.
@@ -228,7 +290,8 @@ impl CubeBuffer {
         for v in y.saturating_sub(1)..(y + 2).min(side) {
             for u in x.saturating_sub(1)..(x + 2).min(side) {
                 if (u, v) != (x, y) {
-                    sum += self.texels[(face * side + v) * side + u].coverage;
+                    let t = &self.texels[(face * side + v) * side + u];
+                    sum += (t.coverage + t.near).min(1.0);
                     count += 1.0;
                 }
             }
@@ -239,12 +302,22 @@ impl CubeBuffer {
 
 impl Texel {
     fn cover(&mut self, splat: &Splat, share: f32) {
+        if splat.marks {
+            self.near = (self.near + share).min(1.0);
+            return;
+        }
         let share = share.min(1.0 - self.coverage);
         if share > 0.0 {
             self.coverage += share;
             self.distance += share * splat.distance;
+            self.axis += splat.axis * share;
             (0..3).for_each(|c| self.light[c] += share * splat.radiance[c]);
         }
+    }
+
+    /// The mean normal of what is there; nothing where nothing is.
+    pub fn mean_axis(&self) -> Vec3 {
+        if self.coverage > 0.0 { self.axis / self.coverage } else { Vec3::ZERO }
     }
 
     /// The mean distance of what is there; infinite where nothing is.
@@ -282,7 +355,14 @@ mod tests {
             let direction = Vec3::new(r * cos, r * sin, z);
             buffer.clear();
             let radiance = [1.0; 3];
-            buffer.add(&Splat { direction, distance: 1.0, solid_angle: omega, radiance });
+            buffer.add(&Splat {
+                direction,
+                distance: 1.0,
+                solid_angle: omega,
+                radiance,
+                axis: Vec3::ZERO,
+                marks: false,
+            });
             let covered: f32 = buffer
                 .texels()
                 .iter()
@@ -301,8 +381,10 @@ mod tests {
             distance,
             solid_angle: 1.0,
             radiance: [red, 0.0, 0.0],
+            axis: Vec3::ZERO,
+            marks: false,
         };
-        buffer.add_sorted(&mut [splat(2.0, 9.0), splat(1.0, 1.0)]);
+        buffer.add_sorted(&[splat(2.0, 9.0), splat(1.0, 1.0)]);
         let full = buffer.texels().iter().filter(|t| t.coverage == 1.0);
         assert!(full.clone().count() > 0 && full.clone().all(|t| (t.light[0] - 1.0).abs() < 1e-6));
     }

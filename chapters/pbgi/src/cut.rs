@@ -9,9 +9,10 @@
 //!   series ahead and behind; between flat and not, both are blended, so that nothing flips.
 
 use crate::harmonic::{basis, front_of_flat};
-use crate::payload::{Payload, Sent};
+use crate::payload::{Exact, Payload, Sent};
 use crate::surfel::Surfel;
 use crate::tree::{Node, Tree};
+use crate::wide::{LANES, NONE, Wide};
 use chiaro_basis::math::Vec3;
 
 /// What a receiver sees of a node or a surfel.
@@ -25,6 +26,10 @@ pub struct Splat {
     pub solid_angle: f32,
     /// Linear RGB.
     pub radiance: [f32; 3],
+    /// The mean normal of the side that is seen; shorter than 1 where it is not flat.
+    pub axis: Vec3,
+    /// Whether it only marks where something nearer than the near field's radius is.
+    pub marks: bool,
 }
 
 /// How a cut is chosen.
@@ -36,6 +41,8 @@ pub struct Chooser {
     pub threshold: f32,
     /// Nothing nearer is splatted, scene units.
     pub near: f32,
+    /// What is nearer than that but farther than this is marked, scene units.
+    pub mark: f32,
     /// The tangent plane's normal; what lies under it is left out.
     pub above: Option<Vec3>,
     /// Whether flat nodes use the exact cosine.
@@ -53,39 +60,102 @@ pub(crate) enum Verdict {
     Open,
 }
 
+/// Verdicts as numbers.
+const OPEN: u32 = 0;
+const SPLAT: u32 = 1;
+const LEAVE: u32 = 2;
+
+/// What a flat node sends to the side of its axis and to the other.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Faces {
+    area: [f32; 2],
+    radiance: [[f32; 3]; 2],
+}
+
+impl Faces {
+    /// Solved from what a node of this area sends along its axis and against it.
+    fn solved(node_area: f32, [ahead, behind]: &[Sent; 2]) -> Self {
+        let one = |ahead: &Sent, behind: &Sent| {
+            let area = front_of_flat(ahead.area, behind.area);
+            let radiance = [0, 1, 2].map(|c| match area > 1e-6 * node_area {
+                true => front_of_flat(ahead.light[c], behind.light[c]) / area,
+                false => 0.0,
+            });
+            (area, radiance)
+        };
+        let (front, back) = (one(ahead, behind), one(behind, ahead));
+        Self { area: [front.0, back.0], radiance: [front.1, back.1] }
+    }
+
+    /// Those of a node, where it is at all flat.
+    pub(crate) fn of_flat(node: &Node, payload: &Exact) -> Self {
+        let length = node.axis.length();
+        if length <= FLAT[0] {
+            return Self::default();
+        }
+        let axis = node.axis / length;
+        Self::solved(node.area, &payload.both(&(), &basis(axis)))
+    }
+}
+
 /// The least share of a node's area that its light is divided by.
 const LEAST_AREA: f32 = 1e-3;
 /// Lengths of a node's mean normal between which it turns from not flat to flat.
 const FLAT: [f32; 2] = [0.985, 0.995];
 
 impl Chooser {
-    /// The splats of the cut, in the order of the tree; the number of nodes visited.
+    /// The splats of the cut; the number of nodes visited.
     pub fn cut<P: Payload>(&self, tree: &Tree<P>, splats: &mut Vec<Splat>) -> u64 {
         let mut visited = 0;
-        let mut index = 0;
-        while let Some(node) = tree.nodes.get(index) {
-            visited += 1;
-            match self.verdict(node.centre, node.radius) {
-                Verdict::Leave => {
-                    index += node.size as usize;
+        let mut groups: Vec<u32> = Vec::with_capacity(64);
+        groups.extend((!tree.wide.is_empty()).then_some(0));
+        while let Some(group) = groups.pop() {
+            let wide = &tree.wide[group as usize];
+            let verdicts = self.verdicts(wide);
+            let mut lane = 0;
+            while lane < LANES && wide.node[lane] != NONE {
+                visited += 1;
+                let (index, verdict) = (wide.node[lane] as usize, verdicts[lane]);
+                if verdict == SPLAT {
+                    let sent = |d: Vec3| tree.payload[index].sent(&tree.book, &basis(d));
+                    let faces = |_: Vec3| tree.faces[index];
+                    splats.extend(self.seen(&tree.nodes[index], sent, faces));
+                }
+                if verdict != OPEN {
+                    lane += usize::from(wide.within[lane]) + 1;
                     continue;
                 }
-                Verdict::Splat => {
-                    let payload = &tree.payload[index];
-                    let sent = |d: Vec3| payload.sent(&tree.book, &basis(d));
-                    let both = |d: Vec3| payload.both(&tree.book, &basis(d));
-                    splats.extend(self.node(node, sent, both));
-                    index += node.size as usize;
-                    continue;
+                let node = &tree.nodes[index];
+                if wide.below[lane] != NONE {
+                    groups.push(wide.below[lane]);
+                } else if node.count > 0 {
+                    let (first, count) = (node.first as usize, node.count as usize);
+                    let surfels = &tree.surfels[first..first + count];
+                    splats.extend(surfels.iter().filter_map(|s| self.surfel(s)));
                 }
-                Verdict::Open => {}
+                lane += 1;
             }
-            let (first, count) = (node.first as usize, node.count as usize);
-            let surfels = &tree.surfels[first..first + count];
-            splats.extend(surfels.iter().filter_map(|s| self.surfel(s)));
-            index += 1;
         }
         visited
+    }
+
+    /// What to do with each node of a group: the same as [`verdict`](Self::verdict), all at once.
+    #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
+    fn verdicts(&self, wide: &Wide) -> [u32; LANES] {
+        let (from, normal) = (self.from, self.above.unwrap_or(Vec3::ZERO));
+        let [x, y, z] = &wide.centre;
+        let mut verdicts = [0; LANES];
+        for k in 0..LANES {
+            let (dx, dy, dz) = (x[k] - from.x, y[k] - from.y, z[k] - from.z);
+            let r = wide.radius[k];
+            let below = dx * normal.x + dy * normal.y + dz * normal.z + r < 0.0;
+            let square = dx * dx + dy * dy + dz * dz;
+            let small = std::f32::consts::PI * r * r <= self.threshold * square;
+            let reach = self.near + r;
+            let splat = small & (square > reach * reach);
+            verdicts[k] = if below { LEAVE } else { u32::from(splat) * SPLAT };
+        }
+        verdicts
     }
 
     /// What to do with a node of this bounding sphere.
@@ -107,6 +177,16 @@ impl Chooser {
         sent: impl Fn(Vec3) -> Sent,
         both: impl Fn(Vec3) -> [Sent; 2],
     ) -> Option<Splat> {
+        self.seen(node, sent, |axis| Faces::solved(node.area, &both(axis)))
+    }
+
+    /// The same, where what it sends as a flat node comes from `faces`, given its axis.
+    fn seen(
+        &self,
+        node: &Node,
+        sent: impl Fn(Vec3) -> Sent,
+        faces: impl FnOnce(Vec3) -> Faces,
+    ) -> Option<Splat> {
         let (direction, distance) = (node.mean - self.from).normalize_and_length();
         if self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
             return None;
@@ -123,32 +203,34 @@ impl Chooser {
         if flatness > 0.0 {
             let axis = node.axis / length;
             let cosine = -axis.dot(direction);
-            let facing = if cosine > 0.0 { axis } else { -axis };
-            let [ahead, behind] = both(facing);
-            let own = front_of_flat(ahead.area, behind.area);
+            let side = usize::from(cosine <= 0.0);
+            let faces = faces(axis);
             let mix = |a: f32, b: f32| a + (b - a) * flatness;
-            let flat = [0, 1, 2].map(|c| match own > 1e-6 * node.area {
-                true => front_of_flat(ahead.light[c], behind.light[c]) / own,
-                false => 0.0,
-            });
-            area = mix(area, own * cosine.abs());
-            radiance = std::array::from_fn(|c| mix(radiance[c], flat[c]));
+            area = mix(area, faces.area[side] * cosine.abs());
+            radiance = std::array::from_fn(|c| mix(radiance[c], faces.radiance[side][c]));
         }
         let solid_angle = area / (distance * distance);
-        (solid_angle > 0.0).then_some(Splat { direction, distance, solid_angle, radiance })
+        let axis = if node.axis.dot(direction) > 0.0 { -node.axis } else { node.axis };
+        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks: false };
+        (solid_angle > 0.0).then_some(splat)
     }
 
     /// What is seen of a surfel: its exact cosine, and nothing of a dead side.
     pub(crate) fn surfel(&self, surfel: &Surfel) -> Option<Splat> {
         let (direction, distance) = (surfel.position - self.from).normalize_and_length();
-        if distance <= self.near || self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
+        if distance <= self.near.min(self.mark)
+            || self.above.is_some_and(|n| direction.dot(n) <= 0.0)
+        {
             return None;
         }
         let cosine = -surfel.normal.dot(direction);
         let side = usize::from(cosine < 0.0);
         let solid_angle = surfel.side_area(side) * cosine.abs() / (distance * distance);
         let radiance = surfel.radiance[side];
-        (solid_angle > 0.0).then_some(Splat { direction, distance, solid_angle, radiance })
+        let axis = if side == 0 { surfel.normal } else { -surfel.normal };
+        let marks = distance <= self.near;
+        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks };
+        (solid_angle > 0.0).then_some(splat)
     }
 }
 
@@ -176,7 +258,7 @@ mod tests {
 
     fn seen(from: Vec3, alive: [bool; 2], flat: bool) -> (f32, [f32; 3]) {
         let tree = Tree::build(&wall(alive));
-        let chooser = Chooser { from, threshold: 0.01, near: 0.0, above: None, flat };
+        let chooser = Chooser { from, threshold: 0.01, near: 0.0, mark: 0.0, above: None, flat };
         let mut splats = Vec::new();
         chooser.cut(&tree, &mut splats);
         let omega = splats.iter().map(|s| s.solid_angle).sum();
@@ -204,6 +286,49 @@ mod tests {
     }
 
     #[test]
+    fn eight_nodes_at_once_are_judged_as_each_by_itself() {
+        let tree = Tree::build(&wall([true; 2]));
+        let from = Vec3::new(0.3, 0.4, 0.05);
+        let chooser = Chooser {
+            from,
+            threshold: 0.01,
+            near: 0.2,
+            mark: 0.1,
+            above: Some(Vec3::new(0.8, 0.0, -0.6)),
+            flat: true,
+        };
+        let (mut fast, mut slow) = (Vec::new(), Vec::new());
+        chooser.cut(&tree, &mut fast);
+        let mut index = 0;
+        while let Some(node) = tree.nodes.get(index) {
+            let verdict = chooser.verdict(node.centre, node.radius);
+            index += if verdict == Verdict::Open { 1 } else { node.size as usize };
+            match verdict {
+                Verdict::Leave => {}
+                Verdict::Splat => {
+                    let payload = &tree.payload[index - node.size as usize];
+                    let sent = |d: Vec3| payload.sent(&(), &basis(d));
+                    let both = |d: Vec3| payload.both(&(), &basis(d));
+                    slow.extend(chooser.node(node, sent, both));
+                }
+                Verdict::Open => {
+                    let range = node.first as usize..(node.first + node.count) as usize;
+                    slow.extend(tree.surfels[range].iter().filter_map(|s| chooser.surfel(s)));
+                }
+            }
+        }
+        let sorted = |mut splats: Vec<Splat>| {
+            splats.sort_by(|a, b| {
+                let key = |s: &Splat| [s.distance, s.direction.x, s.direction.y];
+                key(a).partial_cmp(&key(b)).unwrap()
+            });
+            splats
+        };
+        assert!(fast.iter().any(|s| s.marks) && fast.iter().any(|s| !s.marks));
+        assert_eq!(sorted(fast), sorted(slow));
+    }
+
+    #[test]
     fn nothing_is_seen_of_a_dead_side() {
         let (omega, _) = seen(Vec3::new(0.5, 0.5, -3.0), [true, false], true);
         assert!(omega < 1e-4, "{omega}");
@@ -215,11 +340,13 @@ mod tests {
         let from = Vec3::new(0.5, 0.5, 0.1);
         let mut splats = Vec::new();
         let near = 0.3;
-        Chooser { from, threshold: 0.01, near, above: None, flat: true }.cut(&tree, &mut splats);
+        Chooser { from, threshold: 0.01, near, mark: near, above: None, flat: true }
+            .cut(&tree, &mut splats);
         assert!(!splats.is_empty() && splats.iter().all(|s| s.distance > near));
         splats.clear();
         let above = Some(Vec3::Z);
-        Chooser { from, threshold: 0.01, near: 0.0, above, flat: true }.cut(&tree, &mut splats);
+        Chooser { from, threshold: 0.01, near: 0.0, mark: 0.0, above, flat: true }
+            .cut(&tree, &mut splats);
         assert!(splats.is_empty());
     }
 }

@@ -1,8 +1,8 @@
 //! [`Field`]: what is far from a cluster of pixels, as a cube buffer that all of them use.
 //!
 //! The cut at the cluster's centre holds only what lies beyond the radius D around it: an exact
-//! partition, since near rays end at the same sphere. A pixel sees each texel from where it stands,
-//! towards where the texel's surface is at its mean distance.
+//! partition, since near rays end at the same sphere. A pixel sees each texel from where it stands:
+//! as a flat piece of surface at its mean distance, slanted as what is there.
 
 use crate::cluster::Pixel;
 use crate::cube::{CubeBuffer, CubeShape};
@@ -49,15 +49,21 @@ impl Ball {
 const LANES: usize = 8;
 type Lanes = [f32; LANES];
 
-/// A few texels: their places relative to the centre, their distances, both in radii of the ball,
-/// and light times solid angle.
+/// A few texels as flat pieces: their places relative to the centre, in radii of the ball; their
+/// slants, against the normal and as long as the squared distance over the normal's cosine towards
+/// the centre; and light times solid angle.
 #[derive(Clone, Copy, Default)]
 struct Pack {
     place: [Lanes; 3],
-    distance: Lanes,
+    slant: [Lanes; 3],
     light: [Lanes; 4],
 }
 
+/// The least cosine at which a piece is slanted.
+const LEAST_COSINE: f32 = 0.2;
+
+/// What is nearer than the ball's radius is marked from this share of it on.
+const MARK: f32 = 0.5;
 /// The least distance of a texel, in radii of the ball.
 const LEAST: f32 = 1e-3;
 
@@ -92,10 +98,12 @@ impl Field {
         buffer: &mut CubeBuffer,
         splats: &mut Vec<Splat>,
     ) -> (Self, u64) {
+        let near = if scene.knobs.near_field { ball.radius } else { 0.0 };
         let chooser = Chooser {
             from: ball.centre,
             threshold: how.threshold,
-            near: if scene.knobs.near_field { ball.radius } else { 0.0 },
+            near,
+            mark: MARK * near,
             above: None,
             flat: scene.knobs.flat_nodes,
         };
@@ -116,9 +124,11 @@ impl Field {
                 if texel.mean_distance() < how.occlusion { 1.0 - buffer.coverage(i) } else { 1.0 };
             let distance = (texel.mean_distance().min(how.beyond) * scale).max(LEAST);
             let [r, g, b] = buffer.radiance(i);
-            pack.distance[lane] = distance;
-            let place = shape.directions[i] * distance;
+            let towards = shape.directions[i];
+            let place = towards * distance;
+            let slant = slant(towards, texel.mean_axis()) * (distance * distance);
             (0..3).for_each(|c| pack.place[c][lane] = place[c]);
+            (0..3).for_each(|c| pack.slant[c][lane] = slant[c]);
             for (c, value) in [r, g, b, open].into_iter().enumerate() {
                 pack.light[c][lane] = value * shape.solid_angles[i];
             }
@@ -129,9 +139,9 @@ impl Field {
     }
 
     /// Irradiance of a receiver by the far field; the last is pi where all is open. What a texel
-    /// shows is taken for a piece of the sphere of its distance d: at v from the receiver, seen in
-    /// the direction w from the centre, it has the solid angle of the texel times
-    /// (d / |v|)^2 (w.v / |v|), so that all texels together still fill the sphere.
+    /// shows is taken for a flat piece at its distance d with the normal n: at v from the receiver,
+    /// seen in the direction w from the centre, it has the solid angle of the texel times
+    /// (d / |v|)^2 (n.v / |v|) / (n.w).
     #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
     pub(crate) fn irradiance(&self, at: &Vertex) -> Light {
         let (p, n, s) = (self.scale * (at.position - self.ball.centre), at.normal, at.side);
@@ -144,7 +154,7 @@ impl Field {
                 let above = x * s.x + y * s.y + z * s.z > 0.0;
                 let cosine = (x * n.x + y * n.y + z * n.z).max(0.0);
                 let cosine = if above { cosine } else { 0.0 };
-                let facing = (x * px + y * py + z * pz).max(0.0) * t.distance[k];
+                let facing = (x * t.slant[0][k] + y * t.slant[1][k] + z * t.slant[2][k]).max(0.0);
                 let square = x * x + y * y + z * z;
                 let weight = cosine * facing / (square * square).max(f32::MIN_POSITIVE);
                 (0..4).for_each(|c| sum[c][k] += weight * t.light[c][k]);
@@ -153,13 +163,25 @@ impl Field {
         sum.map(|lanes| lanes.iter().sum())
     }
 
-    /// Far light along a ray: of the texel in which the ray, as long as things are far there, ends.
+    /// Far light along a ray: of the texel whose sphere it meets in that texel. The search begins where the ray
+    /// leaves the ball.
     pub(crate) fn light(&self, shape: &CubeShape, origin: Vec3, direction: Vec3) -> Light {
         debug_assert_eq!(shape.side(), self.side);
-        let first = shape.texel(direction);
-        let distance = self.packs[first / LANES].distance[first % LANES];
         let from = self.scale * (origin - self.ball.centre);
-        let texel = shape.texel(from + direction * distance);
+        let along = from.dot(direction);
+        let inside = along * along - from.length_squared();
+        let met = |distance: f32| (inside + distance * distance).max(0.0).sqrt() - along;
+        let first = shape.texel(from + direction * met(1.0));
+        let pack = &self.packs[first / LANES];
+        let lane = first % LANES;
+        let (place, slant) = (pack.place.map(|l| l[lane]), pack.slant.map(|l| l[lane]));
+        let (place, slant) = (Vec3::from(place), Vec3::from(slant));
+        let length = if slant.dot(direction) > LEAST_COSINE * slant.length() {
+            slant.dot(place - from) / slant.dot(direction)
+        } else {
+            met(place.length().max(1.0))
+        };
+        let texel = shape.texel(from + direction * length.max(0.0));
         let pack = &self.packs[texel / LANES];
         let scale = 1.0 / shape.solid_angles[texel];
         pack.light.map(|lanes| lanes[texel % LANES] * scale)
@@ -169,6 +191,21 @@ impl Field {
     pub(crate) fn side(&self) -> usize {
         self.side
     }
+}
+
+/// Against the normal of a piece in the direction `towards`, over the cosine between both; facing the
+/// centre where its mean normal says little.
+fn slant(towards: Vec3, axis: Vec3) -> Vec3 {
+    let normal = axis - towards * (1.0 - axis.length()).max(0.0);
+    let normal = normal.normalize_or(-towards);
+    let cosine = -normal.dot(towards);
+    if cosine >= LEAST_COSINE {
+        return -normal / cosine;
+    }
+    // Turned towards the centre until it has the least cosine.
+    let across = (normal + towards * cosine).normalize_or_zero();
+    let least = across * (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt() - towards * LEAST_COSINE;
+    -least / LEAST_COSINE
 }
 
 #[cfg(test)]
@@ -213,6 +250,41 @@ mod tests {
                 assert!(light[3].abs() < 1e-6);
             }
         }
+    }
+
+    /// A wall fills a half-space's directions: a receiver that stands upright on it sees it in half of
+    /// its hemisphere, wherever it stands.
+    #[test]
+    fn a_receiver_off_the_centre_sees_a_slanted_wall_as_it_is() {
+        let shape = CubeShape::new(16);
+        let mut buffer = CubeBuffer::new(shape.clone());
+        for (i, d) in shape.directions.iter().enumerate().filter(|(_, d)| d.x > 0.02) {
+            buffer.fill_flat(i, [1.0; 3], 1.2 / d.x, Vec3::NEG_X);
+        }
+        let ball = Ball { centre: Vec3::ZERO, radius: 1.0 };
+        let how = Gathering { threshold: 0.1, occlusion: 1e3, beyond: 1e3 };
+        let field = Field::of_buffer(&buffer, ball, &how);
+        let seen = |x: f32, normal: Vec3| {
+            let position = Vec3::new(x, 0.0, 0.0);
+            let at = Vertex {
+                position,
+                lifted: position,
+                side: normal,
+                smooth: normal,
+                normal,
+                albedo: [1.0; 3],
+                emission: [0.0; 3],
+                offset: 0.0,
+            };
+            field.irradiance(&at)[0] / std::f32::consts::PI
+        };
+        for x in [-0.5, 0.0, 0.5] {
+            assert!((seen(x, Vec3::X) - 1.0).abs() < 0.05, "{x} {}", seen(x, Vec3::X));
+            assert!((seen(x, Vec3::Y) - 0.5).abs() < 0.05, "{x} {}", seen(x, Vec3::Y));
+        }
+        // Rays meet the wall where it is.
+        let (origin, direction) = (Vec3::new(0.4, 0.3, 0.0), Vec3::new(0.6, 0.8, 0.0));
+        assert!((field.light(&shape, origin, direction)[0] - 1.0).abs() < 1e-5);
     }
 
     #[test]

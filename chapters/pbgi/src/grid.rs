@@ -44,6 +44,21 @@ impl SurfelGrid {
     /// The surfel nearest to a point on a surface seen from the side of `normal`, and which of its
     /// sides that is; `None` when none is near.
     pub fn nearest(&self, surfels: &Surfels, point: Vec3, normal: Vec3) -> Option<(u32, usize)> {
+        self.nearest_where(surfels, point, normal, |s, side| surfels.all[s as usize].alive[side])
+    }
+
+    /// The surfel nearest to a point on a surface, whether its sides live or not.
+    pub fn nearest_of_any(&self, surfels: &Surfels, point: Vec3, normal: Vec3) -> Option<u32> {
+        self.nearest_where(surfels, point, normal, |_, _| true).map(|(k, _)| k)
+    }
+
+    fn nearest_where(
+        &self,
+        surfels: &Surfels,
+        point: Vec3,
+        normal: Vec3,
+        counts: impl Fn(u32, usize) -> bool,
+    ) -> Option<(u32, usize)> {
         let corner = (point / self.cell - 0.5).floor();
         let buckets = self.starts.len() - 1;
         let spacing2 = surfels.spacing * surfels.spacing;
@@ -58,7 +73,7 @@ impl SurfelGrid {
                 let cost =
                     (s.position - point).length_squared() + TURN * spacing2 * (1.0 - cosine.abs());
                 let side = usize::from(cosine < 0.0);
-                if cost < best.0 && s.alive[side] {
+                if cost < best.0 && counts(k, side) {
                     best = (cost, Some((k, side)));
                 }
             }

@@ -35,6 +35,7 @@ pub mod classic;
 mod cluster;
 pub mod code;
 pub mod compact;
+mod coverage;
 pub mod cube;
 pub mod curve;
 pub mod cut;
@@ -61,7 +62,9 @@ pub mod stream;
 pub mod surfel;
 pub mod tile;
 pub mod tree;
+pub mod wide;
 
+pub use coverage::coverage;
 pub use hierarchy::Hierarchy;
 pub use indirect::{Indirect, Points, Prepared, indirect, prepare};
 pub use knob::{LightKnobs, OwnSky, Storage, Teaching};

@@ -98,7 +98,7 @@ impl<S: Stored> Hierarchy for Packed<S> {
         let mut visited = 0;
         let wanted = |position: Vec3| {
             let offset = position - chooser.from;
-            let far = offset.length_squared() > chooser.near * chooser.near;
+            let far = offset.length_squared() > chooser.near.min(chooser.mark).powi(2);
             far && chooser.above.is_none_or(|n| offset.dot(n) > 0.0)
         };
         // Siblings to visit, the next ones last.
@@ -374,7 +374,8 @@ pub(crate) mod tests {
         let surfels = sheet(20_000);
         let (packed, binary) = (Packed::build(&records(&surfels)), Tree::build(&surfels));
         for from in [Vec3::new(0.5, 1.5, 0.5), Vec3::new(0.2, 0.6, 0.1), Vec3::new(0.9, 1.2, 0.8)] {
-            let chooser = Chooser { from, threshold: 0.005, near: 0.1, above: None, flat: true };
+            let chooser =
+                Chooser { from, threshold: 0.005, near: 0.1, mark: 0.1, above: None, flat: true };
             let light = |tree: &dyn Hierarchy| {
                 let mut splats = Vec::new();
                 tree.cut(&chooser, &mut splats);

@@ -1,8 +1,8 @@
 //! Every receiver by itself: the reference mode of the gather.
 //!
 //! The receiver's cube buffer takes near rays first, one for each quarter of a texel above the
-//! tangent plane, as long as the distance within which leaves are dropped; then the sorted splats
-//! of its own cut. Its irradiance is the sum over texels of radiance times cosine.
+//! tangent plane in which leaves were dropped, as long as the distance within which that was done;
+//! then the sorted splats of its own cut. Its irradiance is the sum over texels of radiance times cosine.
 
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::{Chooser, Splat};
@@ -17,12 +17,20 @@ use std::f32::consts::FRAC_1_PI;
 pub struct Workspace {
     buffer: CubeBuffer,
     splats: Vec<Splat>,
+    /// Texels in which something is near.
+    near: Vec<bool>,
+    quarters: CubeQuarters,
 }
 
 impl Workspace {
     /// For buffers of `side` x `side` texels a face.
     pub fn new(side: usize) -> Self {
-        Self { buffer: CubeBuffer::new(CubeShape::new(side)), splats: Vec::new() }
+        Self {
+            buffer: CubeBuffer::new(CubeShape::new(side)),
+            splats: Vec::new(),
+            near: vec![false; 6 * side * side],
+            quarters: CubeQuarters::new(side),
+        }
     }
 
     /// The buffer as the last gather left it.
@@ -51,7 +59,7 @@ pub fn gather<T: Hierarchy>(
     work: &mut Workspace,
     seed: u64,
 ) -> Gathered {
-    let Workspace { buffer, splats } = work;
+    let Workspace { buffer, splats, near: texels, quarters } = work;
     buffer.clear();
     splats.clear();
     let threshold = scene.knobs.solid_angle * buffer.shape().mean_solid_angle();
@@ -59,11 +67,19 @@ pub fn gather<T: Hierarchy>(
     let reach = scene.tree.leaf_radius() / (threshold / std::f32::consts::PI).sqrt();
     let near = if scene.knobs.near_field { reach } else { 0.0 };
     let from = at.position + at.side * at.offset;
-    let chooser =
-        Chooser { from, threshold, near, above: Some(at.side), flat: scene.knobs.flat_nodes };
+    let chooser = Chooser {
+        from,
+        threshold,
+        near,
+        mark: 0.0,
+        above: Some(at.side),
+        flat: scene.knobs.flat_nodes,
+    };
     let visited = scene.tree.cut(&chooser, splats);
     if scene.knobs.near_field {
-        near_rays(scene, at, buffer, near, seed);
+        buffer.touched(splats.iter().filter(|s| s.marks), texels);
+        splats.retain(|s| !s.marks);
+        near_rays(scene, at, buffer, (quarters, texels), near, seed);
     }
     buffer.add_sorted(splats);
     Gathered { visited, ..sum(buffer, at.normal, occlusion) }
@@ -92,12 +108,15 @@ fn near_rays<T: Hierarchy>(
     scene: &Prepared<T>,
     at: &Vertex,
     buffer: &mut CubeBuffer,
+    (quarters, near): (&CubeQuarters, &[bool]),
     reach: f32,
     seed: u64,
 ) {
-    let fine = CubeQuarters::new(buffer.shape().side());
     let sequence = Sequence::new(seed);
-    for (index, (texel, direction)) in fine.directions().enumerate() {
+    for (index, &(texel, direction)) in quarters.directions.iter().enumerate() {
+        if !near[texel] {
+            continue;
+        }
         if direction.dot(at.side) <= 0.0 || direction.dot(at.normal) <= 0.0 {
             continue;
         }
@@ -117,25 +136,20 @@ fn near_rays<T: Hierarchy>(
     }
 }
 
-/// The quarters of a cube's texels.
+/// The quarters of a cube's texels: texel and direction of each.
 struct CubeQuarters {
-    side: usize,
+    directions: Vec<(usize, Vec3)>,
 }
 
 impl CubeQuarters {
-    fn new(side: usize) -> Self {
-        Self { side }
-    }
-
-    /// Texel and direction of each quarter.
-    fn directions(&self) -> impl Iterator<Item = (usize, Vec3)> + '_ {
-        let n = self.side;
-        (0..6 * 4 * n * n).map(move |i| {
+    fn new(n: usize) -> Self {
+        let quarter = |i: usize| {
             let (face, rest) = (i / (4 * n * n), i % (4 * n * n));
             let (x, y) = (rest % (2 * n), rest / (2 * n));
             let at = |k: usize| (k as f32 + 0.5) / n as f32 - 1.0;
             let texel = (face * n + y / 2) * n + x / 2;
             (texel, crate::cube::on_face(face, at(x), at(y)).normalize())
-        })
+        };
+        Self { directions: (0..6 * 4 * n * n).map(quarter).collect() }
     }
 }

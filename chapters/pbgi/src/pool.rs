@@ -13,7 +13,7 @@ use std::f32::consts::PI;
 /// Pixels along a block's side; blocks begin every half of it.
 pub(crate) const SIDE: usize = 4;
 pub(crate) const STEP: usize = SIDE / 2;
-/// Receivers share within so many footprints.
+/// Receivers share within so many footprints, as long as they are on the surface.
 const NEAR: f32 = 9.0;
 /// The weight of a block at each of its columns or rows; those of all blocks sum to 1.
 const FADE: [f32; SIDE] = [0.25, 0.75, 0.75, 0.25];
@@ -84,16 +84,23 @@ pub(crate) fn pool(receivers: &[Option<&Receiver>; LANES]) -> Pooled {
     }
     let mut left: Vec<usize> = (0..LANES).filter(|&i| receivers[i].is_some()).collect();
     while let Some(first) = left.first().and_then(|&i| receivers[i]) {
-        let near = |i: &usize| {
-            receivers[*i].is_some_and(|r| {
-                r.at.position.distance(first.at.position) <= NEAR * first.footprint.max(r.footprint)
-            })
-        };
+        let near = |i: &usize| receivers[*i].is_some_and(|r| are_near(first, r));
         let (some, rest): (Vec<usize>, Vec<usize>) = left.iter().partition(|i| near(i));
         share(receivers, &some, &mut pooled);
         left = rest;
     }
     pooled
+}
+
+/// Whether two receivers share: on one plane, however slanted it is; else only if they are close.
+fn are_near(a: &Receiver, b: &Receiver) -> bool {
+    let offset = b.at.position - a.at.position;
+    let footprint = a.footprint.max(b.footprint);
+    let flat = a.at.side.dot(b.at.side) > 0.99
+        && offset.dot(a.at.side).abs() <= footprint
+        && offset.dot(b.at.side).abs() <= footprint;
+    let stretch = if flat { a.stretch.max(b.stretch) } else { 1.0 };
+    offset.length() <= NEAR * stretch * footprint
 }
 
 /// Shares the hits of some receivers among them.

@@ -9,9 +9,9 @@ use crate::near;
 use chiaro_basis::math::Vec3;
 use chiaro_trace::{GBuffer, Sequence, Sides, Vertex};
 
-/// Rays of the largest block of the lattice.
-const BLOCK: u32 = 64;
-/// Pixels along a side of its pattern.
+/// The least cosine of a surface towards the eye, for how long its pixels are.
+const LEAST_COSINE: f32 = 0.1;
+/// Pixels along a side of the lattice's pattern.
 const PATTERN: usize = 4;
 
 /// What a near ray found, less what the far fields say in its direction.
@@ -27,6 +27,8 @@ pub(crate) struct Receiver {
     pub(crate) at: Vertex,
     /// The width of a pixel here, scene units.
     pub(crate) footprint: f32,
+    /// How many times longer a pixel is on the surface.
+    pub(crate) stretch: f32,
     /// Near rays cast.
     pub(crate) rays: u32,
     /// Those that hit.
@@ -61,7 +63,11 @@ impl Receiver {
     pub(crate) fn new<T: Hierarchy>(scene: &Prepared<T>, buffer: &GBuffer, pixel: Pixel) -> Self {
         let at = Vertex::of_pixel(scene.lit.tracer, buffer, pixel);
         let footprint = buffer.pose.pixel_size(buffer.depth[pixel], buffer.size().1 as f32);
-        Self { pixel, at, footprint, rays: 0, hits: Vec::new() }
+        let (w, h) = buffer.size();
+        let (x, y) = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
+        let (_, direction) = buffer.pose.ray(x, y, w as f32, h as f32);
+        let stretch = 1.0 / direction.dot(at.side).abs().max(LEAST_COSINE);
+        Self { pixel, at, footprint, stretch, rays: 0, hits: Vec::new() }
     }
 
     /// Casts near rays up to number `until`; a hit counts for every field whose ball holds it, less
@@ -70,7 +76,7 @@ impl Receiver {
         &mut self,
         scene: &Prepared<T>,
         mix: &Mix,
-        lattice: &Lattice,
+        (lattice, kind): (&Lattice, usize),
         until: u32,
         occlusion: f32,
     ) {
@@ -81,7 +87,7 @@ impl Receiver {
         while self.rays < until {
             let k = self.rays;
             self.rays += 1;
-            let direction = at.cosine_direction(lattice.point(k, self.pixel));
+            let direction = at.cosine_direction(lattice.point(kind, k, self.pixel));
             if direction.dot(at.side) <= 0.0 {
                 continue;
             }
@@ -104,28 +110,75 @@ impl Receiver {
     }
 }
 
-/// Near rays of all pixels, as points in [0, 1)^2: the pixels of a 4 x 4 pattern share out one
-/// (0, 2) sequence in blocks, so that a pixel's rays are spread well, and those of 16 pixels together
-/// too.
+/// Near rays of all pixels, as points in [0, 1)^2. Each pass of a manner has an aligned piece of one
+/// (0, 2) sequence; the pixels of a 4 x 4 pattern share it out so that the rays of a pixel, of 2 x 2
+/// and of 4 x 4 pixels are all spread well.
 pub(crate) struct Lattice {
+    manners: Vec<Manner>,
+}
+
+struct Manner {
     rays: usize,
     points: Vec<[f32; 2]>,
 }
 
 impl Lattice {
-    /// For up to so many rays a pixel; `shift` chooses another sequence.
-    pub(crate) fn new(rays: u32, shift: u32) -> Self {
+    /// For manners of so many rays after each of their passes; `shift` chooses another sequence.
+    pub(crate) fn new(manners: &[[u32; 3]], shift: u32) -> Self {
         let sequence = Sequence::new(u64::from(shift));
-        let point = |place: u32, k: u32| sequence.point(place * BLOCK + k % BLOCK, k / BLOCK);
-        let pattern = (PATTERN * PATTERN) as u32;
-        let points = (0..pattern).flat_map(|place| (0..rays).map(move |k| point(place, k)));
-        Self { rays: rays as usize, points: points.collect() }
+        let points = |ends: &[u32; 3], pair: u32| {
+            let places = (0..(PATTERN * PATTERN) as u32).flat_map(|place| {
+                let (mut start, mut index, mut before) = (0u32, Vec::new(), 0);
+                for end in ends {
+                    let block = (end - before).next_power_of_two();
+                    let piece = block * (PATTERN * PATTERN) as u32;
+                    start = start.next_multiple_of(piece);
+                    index.extend((0..end - before).map(|j| start + place * block + j));
+                    (start, before) = (start + piece, *end);
+                }
+                index
+            });
+            places.map(|i| sequence.point(i, pair)).collect()
+        };
+        let manner = |(pair, ends): (usize, &[u32; 3])| Manner {
+            rays: ends[2] as usize,
+            points: points(ends, pair as u32),
+        };
+        Self { manners: manners.iter().enumerate().map(manner).collect() }
     }
 
-    /// Ray `k` of a pixel.
-    pub(crate) fn point(&self, k: u32, (x, y): Pixel) -> [f32; 2] {
-        const ORDER: [usize; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
-        let place = ORDER[(y % PATTERN) * PATTERN + x % PATTERN];
-        self.points[place * self.rays + k as usize]
+    /// Ray `k` of a pixel by the rays of a manner.
+    pub(crate) fn point(&self, manner: usize, k: u32, (x, y): Pixel) -> [f32; 2] {
+        let bit = |v: usize, i: usize| v >> i & 1;
+        let place = bit(x, 0) | bit(y, 0) << 1 | bit(x, 1) << 2 | bit(y, 1) << 3;
+        let manner = &self.manners[manner];
+        manner.points[place * manner.rays + k as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_of_a_pixel_and_of_blocks_are_spread_well() {
+        let lattice = Lattice::new(&[[4, 12, 44], [8, 24, 32]], 0);
+        let pixels = |x: usize, y: usize, side: usize| {
+            (0..side * side).map(move |i| (x + i % side, y + i / side))
+        };
+        for side in [1, 2, 4] {
+            let count = 4 * side * side;
+            for (columns, rows) in [(count, 1), (count / 2, 2), (1, count)] {
+                let mut cells = vec![0; count];
+                for pixel in pixels(4, 8, side) {
+                    for k in 0..4 {
+                        let [u, v] = lattice.point(0, k, pixel);
+                        let at = |t: f32, n: usize| (t * n as f32) as usize;
+                        cells[at(v, rows) * columns + at(u, columns)] += 1;
+                    }
+                }
+                assert!(cells.iter().all(|c| *c == 1), "{side}: {columns} x {rows}");
+            }
+        }
     }
 }

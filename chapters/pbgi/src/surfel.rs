@@ -88,7 +88,7 @@ impl Surfels {
 }
 
 /// A surfel without light.
-fn place(tracer: &Tracer, site: &Site) -> Surfel {
+pub(crate) fn place(tracer: &Tracer, site: &Site) -> Surfel {
     let [a, b, c] = tracer.corners(site.object, site.face);
     let cross = (b - a).cross(c - a);
     let mirrored = tracer.frame.objects[site.object as usize].mirrored;

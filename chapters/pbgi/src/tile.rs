@@ -42,7 +42,7 @@ struct Manner {
     resolution: f32,
     /// The threshold, as a multiple of the knob.
     threshold: f32,
-    /// D over the cluster's radius.
+    /// D over the cluster's radius, at least.
     reach: f32,
     /// Rays a pixel: of the first pass; in all where that pass hit; where most hit.
     rays: [u32; 3],
@@ -50,10 +50,12 @@ struct Manner {
 
 /// Smooth surroundings.
 const CALM: Manner =
-    Manner { side: 16, resolution: 1.0, threshold: 1.0, reach: 1.5, rays: [4, 12, 48] };
+    Manner { side: 16, resolution: 1.0, threshold: 1.0, reach: 1.5, rays: [4, 12, 44] };
 /// Dense detail.
 const BUSY: Manner =
     Manner { side: 8, resolution: 2.0 / 3.0, threshold: 1.5, reach: 2.0, rays: [8, 24, 32] };
+/// The place of busy tiles' rays in the lattice.
+const BUSY_LATTICE: usize = 1;
 /// Pixels along a tile's side.
 const TILE: usize = CALM.side;
 /// The least D, in distances at which a surfel's disc looks as large as the square root of the
@@ -107,12 +109,11 @@ pub(crate) fn indirect<T: Hierarchy>(
     let (width, height) = buffer.size();
     let side = |m: Manner| (scene.knobs.resolution as f32 * m.resolution).round().max(2.0) as usize;
     let bound = scene.knobs.error_bound;
-    let most = [CALM, BUSY].map(|m| rays(m, bound)[2]).into_iter().fold(PROBES, u32::max);
     let picture = Picture {
         scene,
         buffer,
         shapes: [CALM, BUSY].map(|m| CubeShape::new(side(m))),
-        lattice: Lattice::new(most, scene.shift),
+        lattice: Lattice::new(&[CALM, BUSY].map(|m| rays(m, bound)), scene.shift),
         columns: width.div_ceil(TILE),
         rows: height.div_ceil(TILE),
         occlusion: scene.knobs.occlusion * buffer.radius,
@@ -255,7 +256,7 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
                 let origin = at.position + at.side * at.offset;
                 for k in 0..PROBES {
                     let place = (pixel.0 / 4, pixel.1 / 4);
-                    let direction = at.cosine_direction(self.lattice.point(k, place));
+                    let direction = at.cosine_direction(self.lattice.point(BUSY_LATTICE, k, place));
                     let ray = at.ray(direction, ball.exit(origin, direction));
                     rays += 1;
                     hits += u32::from(self.scene.lit.tracer.hit(&ray, Sides::Both).is_some());
@@ -297,7 +298,8 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
     fn gathered(&self, above: &Above, (column, row): (usize, usize)) -> Vec<Gathered> {
         let (scene, buffer) = (self.scene, self.buffer);
         let pixels = self.pixels((column * TILE, row * TILE), TILE);
-        let manner = if above.tile(column, row).busy { BUSY } else { CALM };
+        let busy = above.tile(column, row).busy;
+        let (manner, kind) = if busy { (BUSY, BUSY_LATTICE) } else { (CALM, 0) };
         let mut receivers: Vec<Receiver> =
             pixels.iter().map(|p| Receiver::new(scene, buffer, *p)).collect();
         let mixes: Vec<Mix> =
@@ -305,13 +307,13 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         if scene.knobs.near_field {
             let [first, some, all] = rays(manner, scene.knobs.error_bound);
             for (r, mix) in receivers.iter_mut().zip(&mixes) {
-                r.cast(scene, mix, &self.lattice, first, self.occlusion);
+                r.cast(scene, mix, (&self.lattice, kind), first, self.occlusion);
             }
             let more = wanting(&receivers, (column * TILE, row * TILE));
             for i in more {
-                receivers[i].cast(scene, &mixes[i], &self.lattice, some, self.occlusion);
+                receivers[i].cast(scene, &mixes[i], (&self.lattice, kind), some, self.occlusion);
                 if receivers[i].hits.len() as f32 > MOST_HIT * some as f32 {
-                    receivers[i].cast(scene, &mixes[i], &self.lattice, all, self.occlusion);
+                    receivers[i].cast(scene, &mixes[i], (&self.lattice, kind), all, self.occlusion);
                 }
             }
         }
@@ -329,8 +331,8 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
     fn mix<'t>(&'t self, above: &Above<'t>, pixel: Pixel, position: Vec3) -> Mix<'t> {
         let (own_column, own_row) = (pixel.0 / TILE, pixel.1 / TILE);
         let side = if above.tile(own_column, own_row).busy { BUSY.side } else { CALM.side };
-        let at = |v: usize| (v as f32 + 0.5) / side as f32 - 0.5;
-        let (x, y) = (at(pixel.0), at(pixel.1));
+        let place = |v: usize| (v as f32 + 0.5) / side as f32 - 0.5;
+        let (x, y) = (place(pixel.0), place(pixel.1));
         let mut parts: Vec<(f32, &Field)> = Vec::with_capacity(4);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let (u, v) = (x.floor() as isize + dx, y.floor() as isize + dy);

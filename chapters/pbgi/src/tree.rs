@@ -4,14 +4,18 @@
 //! 2. A range of the curve is halved where its highest differing bit changes, down to leaves of at
 //!    most [`LEAF`] surfels.
 //! 3. Sums go bottom-up, children in order, subtrees in parallel.
+//! 4. Walks use the same nodes in groups of eight ([`wide`](crate::wide)); of flat nodes, what they
+//!    send is solved once.
 //!
-//! Nodes lie in depth-first order; each knows the length of its subtree, so that a walk needs no
-//! stack and subtrees built apart are joined by being written one after the other. A node's sphere
+//! Nodes lie in depth-first order; each knows the length of its subtree, so that subtrees built
+//! apart are joined by being written one after the other. A node's sphere
 //! bounds its surfels' centres and decides whether it is opened; its mean, weighted by area, is
 //! where it is splatted. Guaranteed: the same bits for any number of threads.
 
+use crate::cut::Faces;
 use crate::payload::{Exact, Payload};
 use crate::surfel::Surfel;
+use crate::wide::{self, Wide};
 use chiaro_basis::math::Vec3;
 use rayon::prelude::*;
 
@@ -54,6 +58,10 @@ pub struct Tree<P: Payload = Exact> {
     pub surfels: Vec<Surfel>,
     /// The radius of a disc of a surfel's mean area.
     pub leaf_radius: f32,
+    /// The nodes in groups.
+    pub(crate) wide: Vec<Wide>,
+    /// What each node sends as a flat one.
+    pub(crate) faces: Vec<Faces>,
 }
 
 impl Tree<Exact> {
@@ -64,11 +72,13 @@ impl Tree<Exact> {
         let surfels: Vec<Surfel> = surfels.into_iter().map(|(_, s)| s).collect();
         let part =
             if surfels.is_empty() { Part::default() } else { Part::build(&keys, &surfels, 0) };
-        let (nodes, payload) = (part.nodes, part.payload);
+        let Part { nodes, payload } = part;
         let area: f64 = surfels.iter().map(|s| f64::from(s.area)).sum();
         let mean = area / surfels.len().max(1) as f64;
         let leaf_radius = (mean / std::f64::consts::PI).sqrt() as f32;
-        Self { nodes, payload, book: (), surfels, leaf_radius }
+        let wide = wide::groups(&nodes);
+        let faces = nodes.par_iter().zip(&payload).map(|(n, p)| Faces::of_flat(n, p)).collect();
+        Self { nodes, payload, book: (), surfels, leaf_radius, wide, faces }
     }
 }
 
@@ -77,6 +87,8 @@ impl<P: Payload> Tree<P> {
     pub fn bytes(&self) -> usize {
         size_of::<Node>() * self.nodes.capacity()
             + size_of::<P>() * self.payload.capacity()
+            + size_of::<Wide>() * self.wide.capacity()
+            + size_of::<Faces>() * self.faces.capacity()
             + size_of::<Surfel>() * self.surfels.capacity()
     }
 }

@@ -86,7 +86,7 @@ fn gathers_tell_how_open_the_hemisphere_is() {
                 sum += (found.openness.pixels()[i] - rays.pixels()[i]).abs();
                 count += 1.0;
             }
-            assert!(sum / count < 0.09, "{error_bound}: {}", sum / count);
+            assert!(sum / count < 0.1, "{error_bound}: {}", sum / count);
         }
     })
 }

@@ -7,6 +7,7 @@
 
 pub(crate) mod counts;
 mod dump;
+mod indirect;
 mod picture;
 mod plates;
 pub(crate) mod reel;

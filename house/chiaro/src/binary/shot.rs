@@ -1,5 +1,6 @@
 //! [`Shot`]: what the pictures of a shot share: camera, light, exposure.
 
+use super::indirect::Reflections;
 use super::picture::{Picture, draw};
 use crate::camera::Camera;
 use crate::colours::Colours;
@@ -30,6 +31,8 @@ pub struct Shot<'a> {
     pub exposure: Exposure,
     pub(crate) lighting: Lighting,
     surfaces: Surfaces<'a>,
+    /// Light that surfaces send each other, if a style mixes it in.
+    reflections: Option<Reflections>,
     painting: Option<Painting>,
     /// What strokes teach over a shot of several frames.
     lesson: Option<Lesson>,
@@ -45,13 +48,18 @@ impl<'a> Shot<'a> {
         let surfaces = Surfaces::new(&project.scene);
         let lighting =
             Lighting::choose(project, &surfaces, &camera, (&frames[0], numbers[0]), run)?;
+        let knobs = knobs.resolved();
+        let reflections = Channel::Indirect
+            .is_used(&knobs)
+            .then(|| Reflections::of(&project.scene, &frames[0], &knobs));
         let mut shot = Self {
             project,
-            knobs: knobs.resolved(),
+            knobs,
             camera,
             exposure: Exposure::default(),
             lighting,
             surfaces,
+            reflections,
             painting: None,
             lesson: None,
         };
@@ -142,11 +150,15 @@ impl<'a> Shot<'a> {
         });
         let buffer = buffer?;
         let lamps = self.lighting.lamps(&tracer, &self.surfaces);
-        let channels = run.stage("channels", pixels, || {
-            let lit =
-                Lit { tracer: &tracer, surfaces: &self.surfaces, buffer: &buffer, lamps: &lamps };
-            Channels::render(&lit, wanted, &self.knobs, shadows, run)
+        let lit = Lit { tracer: &tracer, surfaces: &self.surfaces, buffer: &buffer, lamps: &lamps };
+        let occlusion = wanted(Channel::Occlusion);
+        let rendered = |c| wanted(c) && (c != Channel::Occlusion || self.reflections.is_none());
+        let mut channels = run.stage("channels", pixels, || {
+            Channels::render(&lit, rendered, &self.knobs, shadows, run)
         })?;
+        if let Some(reflections) = &self.reflections {
+            reflections.put(&lit, &mut channels, occlusion, run)?;
+        }
         Ok(View { buffer, channels })
     }
 

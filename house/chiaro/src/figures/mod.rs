@@ -10,6 +10,7 @@ mod comparisons;
 mod diffusion;
 mod films;
 mod lessons;
+mod light;
 mod measured;
 mod methods;
 mod painting;
@@ -55,7 +56,9 @@ const METHODS: &str = "methods";
 const RATE: &str = "6.rate";
 /// Films of strokes in several styles at once.
 const STROKES: &str = "strokes";
-const TAKING: [&str; 4] = [BASELINES, FLICKER, METHODS, STROKES];
+/// Indirect light: its rules left out in turn, and error over time.
+const LIGHT: &str = "light";
+const TAKING: [&str; 5] = [BASELINES, FLICKER, METHODS, STROKES, LIGHT];
 
 /// Scenes that those are drawn on when none is named.
 const BASELINE_SCENES: [&str; 3] = ["demo:head", "demo:bumpy-torus", "demo:rocks"];
@@ -103,6 +106,9 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     }
     if named(STROKES) {
         sections.push(stroke_films(scenes, folder, &mut record, run)?);
+    }
+    if named(LIGHT) {
+        sections.push(lights(scenes, folder, &mut record, run)?);
     }
     let intro = "Figures of chapters 3, 4 and 6 of Buchholz (2012), remade.";
     let html = page::html("Figures", intro, &sections);
@@ -202,6 +208,34 @@ fn methods(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> 
                green: diffusion; black: arc length. What touches the right side folds."
                 .into(),
         pictures: vec![(file, "methods".into())],
+    })
+}
+
+/// The rules of the gather and the curves of error over time, and their numbers in the record.
+fn lights(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> Result<Section> {
+    let (mut pictures, mut rows) = (Vec::new(), Vec::new());
+    let mut curves = Sheet::new(2).title("error over processor seconds");
+    for scene in some_or(scenes, &light::SCENES) {
+        run.check()?;
+        let name = scene.rsplit(['/', ':']).next().unwrap_or(&scene).to_owned();
+        let mut sheet = Sheet::new(4).title(format!("rules of the gather: {name}"));
+        rows.extend(light::rules(&mut sheet, &scene, run)?);
+        let file = format!("figure-light-{}.png", pictures.len() + 1);
+        record.outputs.push(write_sheet(&folder.join(&file), &sheet, run)?);
+        pictures.push((file, name));
+        rows.extend(light::curves(&mut curves, &scene, run)?);
+    }
+    let file = "figure-light-curves.png".to_owned();
+    record.outputs.push(write_sheet(&folder.join(&file), &curves, run)?);
+    pictures.push((file, "error over processor seconds".into()));
+    record.count("light", rows);
+    Ok(Section {
+        title: "Indirect light".into(),
+        text: "Irradiance by one bounce against the path-traced truth: every rule of the gather, each \
+               left out in turn; then error (up, 1 to 100 %) over processor seconds (right, 0.1 to \
+               100), both logarithmic, of shared gathers and of plain path tracing."
+            .into(),
+        pictures,
     })
 }
 

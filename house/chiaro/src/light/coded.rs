@@ -8,7 +8,7 @@ use chiaro_basis::{Result, Run};
 use chiaro_pbgi::compact::{Builder, Compact};
 use chiaro_pbgi::curve::Cube;
 use chiaro_pbgi::packed::Packed;
-use chiaro_pbgi::{Indirect, LightKnobs, Lit, Prepared, indirect, prepare, stream};
+use chiaro_pbgi::{Indirect, LightKnobs, Lit, Prepared, coverage, indirect, prepare, stream};
 use chiaro_trace::GBuffer;
 use serde_json::{Map, Value, json};
 use std::sync::PoisonError;
@@ -42,8 +42,10 @@ pub(super) fn gather(
         let dead = sparse.surfels.dead_sides();
         let (surfels, bytes) = (sparse.surfels.all.len() as u64, sparse.tree.bytes());
         let nodes = sparse.tree.nodes.len();
+        let covered = coverage(lit, &sparse.surfels, &sparse.reflected.grid);
         let found = indirect(&sparse, buffer, run)?;
-        let counts = measures([surfels, nodes as u64, 0, bytes as u64], dead, &found);
+        let mut counts = measures([surfels, nodes as u64, 0, bytes as u64], dead, &found);
+        counts.insert("surfel_coverage".into(), json!(covered));
         shot.kept.keep(sparse);
         return Ok(Gathered { found, exact: None, counts });
     }
