@@ -12,6 +12,7 @@ use crate::record::Output;
 use crate::write;
 use chiaro_basis::{Result, Run};
 use chiaro_pbgi::code::Book;
+use chiaro_pbgi::packed::Record;
 use chiaro_pbgi::stream::Lesson;
 use chiaro_pbgi::surfel::Lit;
 use chiaro_pbgi::{LightKnobs, Spread, Teaching, chosen, file, prepare, sites, stream};
@@ -22,11 +23,17 @@ use std::path::Path;
 const FRAMES: usize = 3;
 const SURFELS: u32 = 40_000;
 
+/// Nodes of a size by which a book from a file is examined, and the error that is told.
+const EXAMINED: usize = 512;
+const MISFIT: f64 = 0.1;
+
 /// A book, and what is told of it.
 #[derive(Clone)]
 pub(crate) struct Taught {
     pub(crate) book: Book,
     pub(crate) counts: Map<String, Value>,
+    /// Whether it comes from a file, and perhaps from another scene.
+    pub(crate) foreign: bool,
 }
 
 /// The book that the shot's frames share, and its file where one was written; `None` where each frame learns its own.
@@ -40,7 +47,7 @@ pub(crate) fn of_shot(
     if let Some(path) = path.filter(|p| p.exists()) {
         let bytes = run.stage("load", 1, || disk::read(path))?;
         let book = file::read_book(&bytes, &path.display().to_string())?;
-        return Ok((Some(told(book, None)), None));
+        return Ok((Some(Taught { foreign: true, ..told(book, None) }), None));
     }
     let film = project.shot().len() > 1 && knobs.book == Teaching::Film;
     if path.is_none() && !film {
@@ -85,6 +92,22 @@ pub(crate) fn taught(lessons: &[Lesson], knobs: &LightKnobs, run: &Run) -> Resul
     })
 }
 
+impl Taught {
+    /// Tells how a book from a file suits a scene's records; a warning where it does not.
+    pub(crate) fn examine(&mut self, records: &[Record], run: &Run) {
+        let lessons = stream::lessons(records, EXAMINED);
+        let error = chosen::error(&self.book, lessons.iter());
+        self.counts.insert("book_error".into(), json!(error));
+        if error > MISFIT {
+            run.warn(format!(
+                "the book was learned elsewhere, and its error here is {:.0} %: colours may be wrong; \
+                 name another file, and a book is learned from this scene",
+                100.0 * error
+            ));
+        }
+    }
+}
+
 fn told(book: Book, error: Option<f64>) -> Taught {
     let mut counts = Map::new();
     counts.insert("code_bytes".into(), json!(book.recipe.bytes()));
@@ -92,5 +115,5 @@ fn told(book: Book, error: Option<f64>) -> Taught {
     if let Some(error) = error {
         counts.insert("book_error".into(), json!(error));
     }
-    Taught { book, counts }
+    Taught { book, counts, foreign: false }
 }

@@ -88,13 +88,15 @@ fn built(
     run: &Run,
 ) -> Result<(Packed<Compact>, Map<String, Value>)> {
     let files = &shot.files;
-    let taught = match &files.book {
+    let records = stream::sorted(&sparse.surfels.all, &cube);
+    let mut taught = match &files.book {
         Some(taught) => taught.clone(),
-        None => {
-            let records = stream::sorted(&sparse.surfels.all, &cube);
-            book::taught(&stream::lessons(&records, knobs.lessons()), knobs, run)?
-        }
+        None => book::taught(&stream::lessons(&records, knobs.lessons()), knobs, run)?,
     };
+    if taught.foreign {
+        taught.examine(&records, run);
+    }
+    drop(records);
     let told = taught.counts;
     let format = stream::format(taught.book, cube, &shot.spread, &sparse.surfels);
     let Some(path) = &files.bake else {
