@@ -9,6 +9,7 @@
 //! that memory holds S and the strokes alone. Results do not depend on chunks or threads.
 
 use crate::extract::{Lines, Moment, Stage};
+use crate::family::families;
 use crate::feature::Features;
 use crate::knob::LinesKnobs;
 use crate::mask::Masks;
@@ -179,16 +180,6 @@ impl Film {
 }
 
 impl Film {
-    /// A number that the strokes of a frame share if they may have one id: parts of one line, or of
-    /// lines that run on into each other in some frame.
-    pub(crate) fn line_of(&self, frame: &FilmFrame, stroke: &Stroke) -> u32 {
-        let line = match stroke.kind {
-            Kind::Silhouette => self.families[frame.labels[stroke.chain as usize] as usize],
-            _ => stroke.chain,
-        };
-        line * Kind::ALL.len() as u32 + stroke.kind as u32
-    }
-
     /// Finds the strokes of events again, after ids changed.
     pub(crate) fn settle_events(&mut self) {
         for event in &mut self.events {
@@ -420,7 +411,7 @@ impl<'a> Tracking<'a> {
 
     fn finish(self) -> Film {
         let mut film = self.film;
-        film.families = families(&film.frames, self.next_label.max(last_label(&film.frames)));
+        film.families = families(&film.frames, self.next_label);
         let lines = |f: &FilmFrame| f.strokes.iter().map(|s| film.line_of(f, s)).collect();
         let lines: Vec<Vec<u32>> = film.frames.iter().map(lines).collect();
         let ids = self.identity.ids(&lines.concat());
@@ -435,33 +426,6 @@ impl<'a> Tracking<'a> {
         }
         film
     }
-}
-
-/// One more than the greatest label.
-fn last_label(frames: &[FilmFrame]) -> u32 {
-    frames.iter().flat_map(|f| &f.labels).max().map_or(0, |l| l + 1)
-}
-
-/// For each label the least one of those whose chains run on into each other.
-fn families(frames: &[FilmFrame], count: u32) -> Vec<u32> {
-    let mut least: Vec<u32> = (0..count).collect();
-    let root = |least: &[u32], mut label: u32| {
-        while least[label as usize] != label {
-            label = least[label as usize];
-        }
-        label
-    };
-    for frame in frames {
-        for stroke in frame.strokes.iter().filter(|s| s.kind == Kind::Silhouette) {
-            let labels = stroke.samples.iter().map(|s| frame.labels[s.chain as usize]);
-            let own = frame.labels[stroke.chain as usize];
-            for label in labels.filter(|l| *l != own) {
-                let [a, b] = [own, label].map(|l| root(&least, l));
-                least[a.max(b) as usize] = a.min(b);
-            }
-        }
-    }
-    (0..count).map(|l| root(&least, l)).collect()
 }
 
 /// Gives hidden strokes one id a line, after those of visible strokes.

@@ -47,6 +47,7 @@ pub mod contour;
 mod cover;
 mod curvature;
 mod extract;
+mod family;
 mod feature;
 mod film;
 mod intersect;
