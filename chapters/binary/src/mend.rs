@@ -35,9 +35,8 @@ impl Costs<'_> {
         if area <= 1.0 {
             return labels.clone();
         }
-        let mut growing = Growing::new(*self, labels, area);
-        growing.grow_all();
-        without_islands(&growing.labels, self.mask, area)
+        let grown = Growing::new(*self, labels, area).grown();
+        without_islands(&grown, self.mask, area)
     }
 
     /// The energy of labels.
@@ -110,7 +109,8 @@ impl<'a> Growing<'a> {
         Self { costs, labels: labels.clone(), least, ids, pieces, part_of }
     }
 
-    fn grow_all(&mut self) {
+    /// The labels once every small piece has grown that is to grow.
+    fn grown(mut self) -> Plane<u8> {
         let small = |id: &u32| {
             let piece = &self.pieces[*id as usize];
             piece.touches_other && (piece.area as f32) < self.least
@@ -123,6 +123,7 @@ impl<'a> Growing<'a> {
                 self.grow(id);
             }
         }
+        self.labels
     }
 
     /// The piece that a piece is now a part of.
