@@ -12,7 +12,7 @@ use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Knobs, Run};
 use chiaro_lines::parameter::{Live, Parameters, Weights, parameterize};
 use chiaro_lines::{Film, Ground, LinesKnobs, Method, Posed, Reel, View, measure, quality};
-use chiaro_scene::{Choice, Pose, Poser, Projection, demo};
+use chiaro_scene::{Bounds, Choice, Pose, Poser, Projection, demo};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
@@ -106,20 +106,33 @@ fn live(name: &str, knobs: &LinesKnobs) {
     let bounds = frame.bounds();
     let ground = Ground::of(&scene, &frame, knobs, &[]);
     let posed = Posed::new(&ground.surface, &frame, knobs.smooth_normals);
-    let mut live = Live::new(&ground, knobs);
-    let (mut all, mut strokes) = (Vec::new(), 0);
+    for (how, live) in
+        [("exact", Live::new(&ground, knobs)), ("depth buffer", Live::quick(&ground, knobs))]
+    {
+        turn(name, how, live, (&ground, &posed, &bounds));
+    }
+}
+
+fn turn(
+    name: &str,
+    how: &str,
+    mut live: Live<'_>,
+    (ground, posed, bounds): (&Ground, &Posed, &Bounds),
+) {
+    let (mut all, mut strokes, mut length) = (Vec::new(), 0, 0.0);
     for i in 0..24 {
         let away = Quat::from_rotation_y(0.026 * i as f32) * Vec3::new(1.0, 0.6, 2.0).normalize();
         let from = bounds.centre() + away * 3.6 * bounds.radius();
         let projection = Projection::Perspective { fov_y: 0.6 };
         let pose = Pose::look_at(from, bounds.centre(), Vec3::Y, projection);
         let start = Instant::now();
-        strokes = live.frame(&posed, &View::new(pose, (960, 540))).len();
+        let found = live.frame(posed, &View::new(pose, (960, 540)));
         all.push(start.elapsed().as_secs_f64());
+        (strokes, length) = (found.len(), found.iter().map(|s| s.total()).sum());
     }
     all.sort_by(f64::total_cmp);
     println!(
-        "{name}: {} triangles, {strokes} strokes, {:.1} ms a frame ({:.1} fps), at best {:.1} ms",
+        "{name}, {how}: {} triangles, {strokes} strokes of {length:.0} px, {:.1} ms a frame ({:.1} fps), at best {:.1} ms",
         ground.surface.real_faces,
         1e3 * all[12],
         all[12].recip(),

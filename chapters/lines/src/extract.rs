@@ -102,13 +102,27 @@ impl Lines {
     }
 }
 
+/// What strokes are made of: stroke, path, run.
+type Parts = Vec<(usize, usize, Run)>;
+
+/// Strokes of what is seen and of what is hidden, and what the former are made of.
+pub(crate) fn strokes_of(
+    paths: &[Path],
+    visible: &Visible,
+    stage: &Stage<'_>,
+    moment: &Moment<'_>,
+) -> (Vec<Stroke>, Vec<Stroke>, Parts) {
+    let (seen, parts) = strokes(paths, visible, stage, moment);
+    (seen, hidden_strokes(paths, visible, stage, moment), parts)
+}
+
 /// The strokes of all lines that are drawn, and what each is made of.
 fn strokes(
     paths: &[Path],
     visible: &Visible,
     stage: &Stage<'_>,
     moment: &Moment<'_>,
-) -> (Vec<Stroke>, Vec<(usize, usize, Run)>) {
+) -> (Vec<Stroke>, Parts) {
     let next_view = moment.next.map(|n| n.1);
     let step = f64::from(stage.knobs.step);
     let (mut strokes, mut parts) = (Vec::new(), Vec::new());

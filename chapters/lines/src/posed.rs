@@ -8,6 +8,7 @@ use crate::surface::{NONE, Surface, next};
 use crate::view::View;
 use chiaro_basis::math::DVec3;
 use chiaro_scene::Frame;
+use rayon::prelude::*;
 
 /// Positions and normals of a surface's vertices at one time, in world space.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +35,7 @@ impl Posed {
     /// g_v = n_v . (C - P_v): positive where a vertex faces the camera.
     pub fn facing(&self, view: &View) -> Vec<f64> {
         let g = |(p, n): (&DVec3, &DVec3)| n.dot(view.to_eye(*p));
-        self.positions.iter().zip(&self.normals).map(g).collect()
+        self.positions.par_iter().zip(&self.normals).map(g).collect()
     }
 }
 

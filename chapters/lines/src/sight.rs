@@ -205,7 +205,7 @@ pub(crate) fn shows_front(c: &[[f64; 4]; 3]) -> Option<bool> {
 type Span = [u32; 4];
 
 /// Least and greatest picture position of what of a face is in front of the camera.
-fn extent(corners: &[[f64; 4]; 3], near: f64) -> Option<(DVec2, DVec2)> {
+pub(crate) fn extent(corners: &[[f64; 4]; 3], near: f64) -> Option<(DVec2, DVec2)> {
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let mut take = |x: f64, y: f64, w: f64| {
         let p = DVec2::new(x / w, y / w);

@@ -5,6 +5,7 @@
 //! the positive side on the left, seen from the front. On a closed surface every chain is a loop.
 
 use crate::surface::{NONE, Surface, next, previous};
+use rayon::prelude::*;
 
 /// A point of a zero set on an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,16 +169,13 @@ fn joining(surface: &Surface, found: &[Option<f64>], edge: u32) -> Vec<u32> {
 
 /// Half-edges by which a chain enters a face: from positive to negative; rising.
 fn entries(surface: &Surface, side: &[bool]) -> Vec<u32> {
-    let mut entries = Vec::new();
-    for (f, face) in surface.faces.iter().enumerate() {
+    let entry = |(f, face): (usize, &[u32; 3])| {
         let s = face.map(|v| side[v as usize]);
-        if s[0] == s[1] && s[1] == s[2] {
-            continue;
-        }
-        let corner = (0..3).find(|&c| s[c] && !s[(c + 1) % 3]).expect("both signs are there");
-        entries.push((3 * f + corner) as u32);
-    }
-    entries
+        let mixed = s[0] != s[1] || s[1] != s[2];
+        let corner = (0..3).filter(|_| mixed).find(|&c| s[c] && !s[(c + 1) % 3]);
+        corner.map(|c| (3 * f + c) as u32)
+    };
+    surface.faces.par_iter().enumerate().with_min_len(1 << 14).filter_map(entry).collect()
 }
 
 /// The half-edge by which a chain leaves the face that it enters by `half`.

@@ -189,7 +189,7 @@ fn kept(
 }
 
 /// A crease as the pair of faces beside it.
-type EdgeKey = [u32; 2];
+pub(crate) type EdgeKey = [u32; 2];
 
 /// The creases along which a path runs between two places.
 fn edges(path: &Path, from: Place, to: Place) -> impl Iterator<Item = EdgeKey> {
@@ -210,10 +210,10 @@ fn vacant(path: &Path, from: Place, to: Place, taken: &HashSet<EdgeKey>) -> bool
 
 /// A part of a path with one label.
 #[derive(Clone, Copy, Debug)]
-struct Label {
-    start: Place,
-    end: Place,
-    seen: bool,
+pub(crate) struct Label {
+    pub(crate) start: Place,
+    pub(crate) end: Place,
+    pub(crate) seen: bool,
 }
 
 struct Looker<'a> {
@@ -333,7 +333,12 @@ impl Looker<'_> {
 
 /// Labels to visible runs, gaps below `limit` pixels bridged; on closed paths across the first point
 /// too.
-fn runs(path: &Path, labels: Vec<Label>, limit: f64, taken: &HashSet<EdgeKey>) -> Vec<Run> {
+pub(crate) fn runs(
+    path: &Path,
+    labels: Vec<Label>,
+    limit: f64,
+    taken: &HashSet<EdgeKey>,
+) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for label in labels.iter().filter(|l| l.seen) {
         match runs.last_mut() {

@@ -25,6 +25,7 @@ use crate::knob::LinesKnobs;
 use crate::stroke::Stroke;
 use crate::view::View;
 use chiaro_basis::math::{DVec2, DVec3};
+use rayon::prelude::*;
 
 /// Standard deviation of the diffusion in the picture, and in the world seen as pixels.
 const SPREAD: f64 = 3.0;
@@ -109,7 +110,8 @@ impl Diffuser {
         pixels_per_u: f64,
     ) -> Vec<Vec<Diffused>> {
         self.place(view);
-        let diffused: Vec<Vec<Diffused>> = strokes.iter().map(|s| self.diffuse(s, view)).collect();
+        let diffused: Vec<Vec<Diffused>> =
+            strokes.par_iter().map(|s| self.diffuse(s, view)).collect();
         for (stroke, diffused) in strokes.iter_mut().zip(&diffused) {
             let u = reconstruct(stroke, diffused);
             stroke.set_u(u.into_iter().map(|u| u / pixels_per_u).collect(), pixels_per_u);
