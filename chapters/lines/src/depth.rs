@@ -139,7 +139,7 @@ impl Raster<'_> {
                 let sum = w[0] + w[1] + w[2];
                 let z = (w[0] * corners[0][3] + w[1] * corners[1][3] + w[2] * corners[2][3]) / sum;
                 // Also where nothing is left of a face seen from its side.
-                if !(z > self.near) {
+                if z.is_nan() || z <= self.near {
                     continue;
                 }
                 let nearest = &mut band[(row - first) * width + column];
