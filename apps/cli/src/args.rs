@@ -307,8 +307,8 @@ pub(crate) struct MarksArgs {
     /// A named style of lines, or a TOML file.
     #[arg(long, value_name = "NAME|FILE", default_value = "pen")]
     pub(crate) style: String,
-    /// What lines are drawn over: nothing, binary, a picture, or a pattern such as frames/####.png
-    /// [default: as the style has it].
+    /// What lines are drawn over: nothing, binary, light, a picture, or a pattern such as
+    /// frames/####.png [default: as the style has it].
     #[arg(long, value_name = "WHAT")]
     pub(crate) over: Option<String>,
     /// What becomes of hidden lines: drop, dashed, or style (as the style's [stroke.hidden] says).

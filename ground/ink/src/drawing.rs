@@ -20,8 +20,21 @@ pub struct Drawing {
     pub recipe: Option<String>,
     /// What the page is filled with beneath everything.
     pub background: Option<Colour>,
+    /// A picture on the background, beneath all layers.
+    pub picture: Option<Picture>,
     /// Its layers, the lowest first.
     pub layers: Vec<Layer>,
+}
+
+/// A picture on a page.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    /// The file.
+    pub png: Vec<u8>,
+    /// Its upper left corner in millimetres.
+    pub corner: Point,
+    /// Its width and height in millimetres.
+    pub size: Point,
 }
 
 /// The marks of one pen.

@@ -30,7 +30,7 @@ mod travel;
 pub use border::smooth_coverage;
 pub use centre::centre_lines;
 pub use crack::{Cracks, Polyline};
-pub use drawing::{Colour, Drawing, Layer, Mark, Travel};
+pub use drawing::{Colour, Drawing, Layer, Mark, Picture, Travel};
 pub use fit::{Fit, fit, simplified};
 pub use hatch::{Area, Hatch};
 pub use paper::{Placement, Sheet, length};

@@ -3,7 +3,7 @@
 //! Coordinates are absolute and rounded to a thousandth of a millimetre, so that a border that two
 //! regions share has the same numbers in both. The same drawing gives the same bytes.
 
-use crate::drawing::{Colour, Drawing, Layer, Mark};
+use crate::drawing::{Colour, Drawing, Layer, Mark, Picture};
 use crate::{Path, Point, Segment};
 use std::fmt::Write;
 
@@ -31,6 +31,9 @@ impl Drawing {
             let fill = paint("fill", colour);
             push(&mut out, format_args!("<rect width=\"{w}\" height=\"{h}\"{fill}/>\n"));
         }
+        if let Some(picture) = &self.picture {
+            write_picture(&mut out, picture);
+        }
         for (i, layer) in self.layers.iter().enumerate() {
             write_layer(&mut out, i + 1, layer);
         }
@@ -41,6 +44,34 @@ impl Drawing {
 
 fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
     out.write_fmt(text).expect("a string takes all text");
+}
+
+/// A layer with an embedded picture.
+fn write_picture(out: &mut String, picture: &Picture) {
+    let ([x, y], [w, h]) = (picture.corner.map(number), picture.size.map(number));
+    push(
+        out,
+        format_args!(
+            "<g id=\"beneath\" inkscape:groupmode=\"layer\" inkscape:label=\"picture\">\n\
+             <image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" \
+             preserveAspectRatio=\"none\" href=\"data:image/png;base64,"
+        ),
+    );
+    base64(out, &picture.png);
+    out.push_str("\"/>\n</g>\n");
+}
+
+/// Bytes as text (RFC 4648, section 4).
+fn base64(out: &mut String, bytes: &[u8]) {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for three in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for i in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * i)) as usize & 63];
+            out.push(if i <= three.len() { char::from(digit) } else { '=' });
+        }
+    }
 }
 
 fn write_layer(out: &mut String, number: usize, layer: &Layer) {
@@ -173,11 +204,18 @@ mod tests {
             title: "a < b".into(),
             recipe: Some("{\"x\":\"\u{1}&\"}".into()),
             background: None,
+            picture: Some(Picture {
+                png: b"light".to_vec(),
+                corner: [1.0, 2.0],
+                size: [8.0, 16.0],
+            }),
             layers: vec![Layer { name: "1 ink".into(), marks }],
         };
         let svg = drawing.to_svg();
         assert!(svg.contains("width=\"10mm\" height=\"20mm\" viewBox=\"0 0 10 20\""));
         assert!(svg.contains("inkscape:label=\"1 ink\""));
+        assert!(svg.contains("width=\"8\" height=\"16\" preserve"));
+        assert!(svg.contains("data:image/png;base64,bGlnaHQ=\"/>"));
         assert!(svg.contains("M1 1L9 1L9 9Z"));
         assert!(svg.contains("stroke=\"#ff0000\" stroke-opacity=\"0.5\" stroke-width=\"0.3\""));
         assert!(svg.contains("M0 5L10 5\""));

@@ -38,7 +38,7 @@ struct Parts {
 }
 
 /// The styles that ship with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 26] = [
+pub const BUILT_IN: [(&str, &str); 27] = [
     ("ink", include_str!("../styles/ink.toml")),
     ("brush", include_str!("../styles/brush.toml")),
     ("etched", include_str!("../styles/etched.toml")),
@@ -65,6 +65,7 @@ pub const BUILT_IN: [(&str, &str); 26] = [
     ("double", include_str!("../styles/double.toml")),
     ("cactus", include_str!("../styles/cactus.toml")),
     ("comic", include_str!("../styles/comic.toml")),
+    ("lit", include_str!("../styles/lit.toml")),
 ];
 
 impl Style {

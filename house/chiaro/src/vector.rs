@@ -80,6 +80,7 @@ pub fn draw(
         title: title.into(),
         recipe: Some(recipe.into()),
         background: (background[3] > 0.0 && print.pen.is_none()).then_some(background),
+        picture: None,
         layers,
     };
     Ok((drawing.to_svg(), travel))
@@ -150,6 +151,7 @@ pub fn stencil(
         title: title.into(),
         recipe: Some(recipe.into()),
         background: None,
+        picture: None,
         layers: layers.collect(),
     };
     Ok(drawing.to_svg())

@@ -158,12 +158,12 @@ impl Job<'_> {
         Ok(TreeFiles { baked, bake: self.bake.clone(), origin, book, cap, written })
     }
 
-    fn backdrop(&self) -> Backdrop {
+    pub(super) fn backdrop(&self) -> Backdrop {
         self.backdrop.map_or(Backdrop::Sky, Backdrop::Colour)
     }
 
     /// One frame's layers and measures.
-    fn frame(
+    pub(super) fn frame(
         &self,
         shot: &Shot,
         frame: &Frame,
@@ -257,7 +257,7 @@ impl Job<'_> {
         Ok((seen, openness, counts))
     }
 
-    fn settings(&self, shot: &Shot) -> Map<String, Value> {
+    pub(super) fn settings(&self, shot: &Shot) -> Map<String, Value> {
         let mut s = shot.camera.settings(self.project);
         s.insert("sun".into(), json!(self.project.options.sun));
         s.insert("method".into(), self.method_word().into());

@@ -15,8 +15,10 @@ mod layers;
 mod shot;
 mod still;
 mod trial;
+mod under;
 
 pub use cap::parse_bytes;
 pub use job::{Check, Job, Method, check_target};
 pub(crate) use still::{AnyTree, Still, nearness, still};
 pub use trial::{Outcome, Truth, Way, trial};
+pub(crate) use under::Under;

@@ -1,4 +1,5 @@
-//! What lines are drawn over: nothing, the regions of binary shading, or pictures from files.
+//! What lines are drawn over: nothing, the regions of binary shading, the scene in its light, or
+//! pictures from files.
 
 use crate::binary::{self, Encoding};
 use crate::colours::Colours;
@@ -23,16 +24,20 @@ pub enum Over {
     Nothing,
     /// Black and white regions by the style's own knobs.
     Binary,
+    /// The scene under full light.
+    Light,
     /// A picture a frame, or one for all.
     Pictures(Target),
 }
 
 impl Over {
-    /// Reads `--over`, or a style's `over`: `nothing`, `binary`, a picture, or a pattern of pictures.
+    /// Reads `--over`, or a style's `over`: `nothing`, `binary`, `light`, a picture, or a pattern of
+    /// pictures.
     pub fn parse(text: &str) -> Result<Self> {
         match text {
             "nothing" => Ok(Self::Nothing),
             "binary" => Ok(Self::Binary),
+            "light" => Ok(Self::Light),
             path if path.contains('#') || Path::new(path).extension().is_some() => {
                 let path = PathBuf::from(path);
                 let pattern = path.to_string_lossy().contains('#');
@@ -45,7 +50,7 @@ impl Over {
             other => Err(Error::setting(
                 "--over",
                 other,
-                "nothing, binary, a picture, or a pattern of pictures such as frames/####.png",
+                "nothing, binary, light, a picture, or a pattern of pictures such as frames/####.png",
             )),
         }
     }
@@ -142,6 +147,7 @@ impl Over {
         match self {
             Self::Nothing => json!("nothing"),
             Self::Binary => json!("binary"),
+            Self::Light => json!("light"),
             Self::Pictures(target) => {
                 let hash = |bytes: Vec<u8>| crate::write::sha256(&bytes);
                 json!({ "picture_sha256": disk::read(&target.file(number)).ok().map(hash) })

@@ -15,6 +15,7 @@ use crate::camera::Camera;
 use crate::colours::Colours;
 use crate::film::Target;
 use crate::frames::Frames;
+use crate::light::Under;
 use crate::project::Project;
 use crate::record::{Record, frame_recipe};
 use crate::style::Style;
@@ -29,6 +30,7 @@ use chiaro_ink::Travel;
 use chiaro_lines::check::check;
 use chiaro_lines::parameter::{Solved, parameterize};
 use chiaro_lines::{Film, LinesKnobs, Reel, View};
+use chiaro_pbgi::LightKnobs;
 use chiaro_scene::Frame;
 use ready::Names;
 use serde_json::{Map, Value};
@@ -48,6 +50,8 @@ pub struct Look<'a> {
     pub binary: BinaryKnobs,
     /// What is beneath.
     pub over: Over,
+    /// How it is lit, where that is the scene in its light.
+    pub light: LightKnobs,
     /// Ink, paper and background.
     pub colours: Colours,
     /// The paper that SVG files are drawn on, and the pen's width where strokes are drawn by one.
@@ -59,14 +63,18 @@ impl<'a> Look<'a> {
     pub fn of(style: &'a Style) -> Result<Self> {
         let (lines, binary) = (style.lines.clone(), style.binary.clone());
         let over = Over::parse(&style.over)?;
-        Ok(Self { style, lines, binary, over, colours: style.colours(), print: Print::default() })
+        let (colours, print, light) = (style.colours(), Print::default(), LightKnobs::default());
+        Ok(Self { style, lines, binary, over, light, colours, print })
     }
 
-    /// Sets a knob of lines, of brushes, or, as in `binary.global`, of regions.
+    /// Sets a knob of lines, of brushes, or, as in `binary.global` and `light.bounces`, of what is
+    /// beneath.
     pub fn set(&mut self, text: &str) -> Result<()> {
-        match text.trim().strip_prefix("binary.") {
-            Some(rest) => crate::style::set(&mut self.binary, rest),
-            None => self.lines.set(text),
+        let text = text.trim();
+        match (text.strip_prefix("binary."), text.strip_prefix("light.")) {
+            (Some(rest), _) => crate::style::set(&mut self.binary, rest),
+            (_, Some(rest)) => crate::style::set(&mut self.light, rest),
+            _ => self.lines.set(text),
         }
     }
 }
@@ -188,7 +196,8 @@ impl Job<'_> {
         let mut record = Record::new("lines");
         let camera = camera(self.project, run)?;
         let regions = self.regions(encoding, run)?;
-        let settings = self.settings(&camera, regions.as_ref());
+        let light = self.light(encoding, run)?;
+        let settings = self.settings(&camera, regions.as_ref(), light.as_ref());
         let recipe = |number| {
             let mut settings = settings.clone();
             settings.insert("over".into(), self.look.over.settings(number));
@@ -207,6 +216,7 @@ impl Job<'_> {
                 job: self,
                 shot: &shot,
                 encoding,
+                light: light.as_ref(),
                 recipe: &recipe,
                 travel: Cell::default(),
             };
@@ -233,20 +243,32 @@ impl Job<'_> {
     fn regions(&self, encoding: Encoding, run: &Run) -> Result<Option<Regions<'_>>> {
         let look = &self.look;
         match (&look.over, encoding) {
-            (Over::Nothing, _) | (_, Encoding::Json) => Ok(None),
-            (Over::Binary, _) => {
+            (Over::Binary, Encoding::Png | Encoding::Svg) => {
                 let (how, on) = ((look.style, &look.binary), (look.colours, look.print));
                 Regions::survey(self.project, how, on, encoding == Encoding::Svg, run).map(Some)
             }
-            (Over::Pictures(_), Encoding::Png) => Ok(None),
-            (Over::Pictures(_), Encoding::Svg) => {
-                run.warn("SVG holds the lines alone: the pictures beneath are left out");
-                Ok(None)
-            }
+            _ => Ok(None),
         }
     }
 
-    fn settings(&self, camera: &Camera, regions: Option<&Regions<'_>>) -> Map<String, Value> {
+    /// The lit pictures beneath, where there are some and the file shows them.
+    fn light(&self, encoding: Encoding, run: &Run) -> Result<Option<Under<'_>>> {
+        let look = &self.look;
+        if look.over != Over::Light || encoding == Encoding::Json {
+            return Ok(None);
+        }
+        // White paper is no backdrop: the sky of the scene is.
+        let own = look.colours.background;
+        let backdrop = Some(own).filter(|c| *c != [1.0; 4]);
+        Under::survey(self.project, &look.light, backdrop, run).map(Some)
+    }
+
+    fn settings(
+        &self,
+        camera: &Camera,
+        regions: Option<&Regions<'_>>,
+        light: Option<&Under<'_>>,
+    ) -> Map<String, Value> {
         let mut s = camera.settings(self.project);
         let look = &self.look;
         s.insert("style".into(), look.style.name.clone().into());
@@ -255,6 +277,9 @@ impl Job<'_> {
         s.extend(look.lines.settings());
         if let Some(regions) = regions {
             s.insert("regions".into(), Value::Object(regions.settings()));
+        }
+        if let Some(light) = light {
+            s.insert("light".into(), Value::Object(light.settings()));
         }
         s
     }
@@ -265,6 +290,7 @@ struct Writing<'a> {
     job: &'a Job<'a>,
     shot: &'a Shot,
     encoding: Encoding,
+    light: Option<&'a Under<'a>>,
     recipe: &'a dyn Fn(u32) -> String,
     /// The pen's way over all frames so far.
     travel: Cell<Travel>,
@@ -276,9 +302,10 @@ impl Writing<'_> {
         let whole =
             matches!((&self.job.target, self.encoding), (Target::Single(_), Encoding::Json));
         for page in numbers.chunks(if whole { numbers.len().max(1) } else { 1 }) {
-            let beneath = match self.encoding {
-                Encoding::Png => self.job.look.over.picture(page[0], self.shot.camera.size)?,
-                _ => None,
+            let beneath = match (self.encoding, self.light) {
+                (Encoding::Json, _) => None,
+                (_, Some(light)) => Some(Beneath::of(&light.picture(page[0], run)?)),
+                _ => self.job.look.over.picture(page[0], self.shot.camera.size)?,
             };
             self.page(page, beneath, frames, run)?;
         }
@@ -305,11 +332,7 @@ impl Writing<'_> {
         let bytes = run.stage("draw", page.len() as u64, || match self.encoding {
             Encoding::Json => Ok(document::document(self.shot, page, look).into_bytes()),
             Encoding::Svg => {
-                let layers = match beneath {
-                    Some(Beneath::Layers(layers)) => layers,
-                    _ => Vec::new(),
-                };
-                let (svg, way) = svg::svg((self.shot, number), self.job, layers, recipe)?;
+                let (svg, way) = svg::svg((self.shot, number), self.job, beneath, recipe)?;
                 self.travel.set(self.travel.get() + way);
                 Ok(svg.into_bytes())
             }

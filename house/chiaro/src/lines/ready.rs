@@ -4,7 +4,7 @@ use super::Shot;
 use super::picture::id_colour;
 use super::style::{LineStyle, Subject};
 use crate::colours::Colours;
-use chiaro_ink::brush::{Axis, Brush, Knot, Spine, Stroke as Inked};
+use chiaro_ink::brush::{Axis, Brush, Knot, Mark, Spine, Stroke as Inked};
 use chiaro_lines::{FilmFrame, Kind, LinesKnobs, Owner, Stroke, Texture, View};
 use chiaro_scene::Projection;
 use std::collections::BTreeMap;
@@ -12,6 +12,9 @@ use std::sync::Arc;
 
 /// The light that a darkened base colour keeps.
 const DARKENED: f32 = 0.55;
+
+/// Half the octaves over which one size of a pattern fades into the next.
+const FADE: f64 = 0.12;
 
 /// A stroke ready to be drawn.
 pub(crate) struct Drawn<'a> {
@@ -61,11 +64,22 @@ pub(crate) fn ready<'a>(
             .entry(key)
             .or_insert_with(|| Arc::new(style.brush_for(&subject(stroke, &shot.names))));
         let colour = colour(brush, stroke, &shot.names, colours);
-        let spine = spine(stroke, &frame.view, &style.knobs);
-        drawn.push(Drawn { stroke, spine, brush: Arc::clone(brush), colour });
+        for (scale, ink) in scales(stroke, brush, &style.knobs) {
+            let spine = spine(stroke, &frame.view, scale);
+            let [r, g, b, a] = colour;
+            drawn.push(Drawn {
+                stroke,
+                spine,
+                brush: Arc::clone(brush),
+                colour: [r, g, b, a * ink],
+            });
+        }
     }
     let place = |kind: Kind| Kind::ALL.iter().position(|k| *k == kind);
-    drawn.sort_by_key(|d| (d.stroke.visible, place(d.stroke.kind), d.stroke.id));
+    let key = |d: &Drawn<'_>| (d.stroke.visible, place(d.stroke.kind), d.stroke.id);
+    let first = |d: &Drawn<'_>| d.stroke.u.first().copied().unwrap_or(0.0);
+    // Parts of one line keep their order from frame to frame.
+    drawn.sort_by(|a, b| key(a).cmp(&key(b)).then(first(a).total_cmp(&first(b))));
     drawn
 }
 
@@ -97,19 +111,28 @@ fn colour(brush: &Brush, stroke: &Stroke, names: &Names, colours: &Colours) -> [
     }
 }
 
-/// Pixels for a unit of u, by which marks are spaced. Where patterns grow with the zoom, they are
-/// redrawn at twice or half their size before they are half as large again.
-fn scale(stroke: &Stroke, knobs: &LinesKnobs) -> f64 {
+/// Pixels for a unit of u, by which marks are spaced, and how much of the ink they have. Where
+/// patterns grow with the zoom, they are redrawn at twice or half their size before they are half as
+/// large again; around that, single marks fade from one size into the other.
+fn scales(stroke: &Stroke, brush: &Brush, knobs: &LinesKnobs) -> Vec<(f64, f32)> {
     let pattern = f64::from(knobs.pattern_length);
-    match knobs.octaves && knobs.texture == Texture::Periodic {
-        true => pattern * (stroke.pixels_per_u / pattern).max(1e-9).log2().round().exp2(),
-        false => stroke.pixels_per_u,
+    if !knobs.octaves || knobs.texture != Texture::Periodic {
+        return vec![(stroke.pixels_per_u, 1.0)];
+    }
+    let grown = (stroke.pixels_per_u / pattern).max(1e-9).log2();
+    let octave = grown.round();
+    let beside = grown - octave;
+    let other = ((beside.abs() - 0.5 + FADE) / (2.0 * FADE)).max(0.0) as f32;
+    let at = |octave: f64, ink: f32| (pattern * octave.exp2(), ink);
+    if other > 0.0 && matches!(brush.mark, Mark::Dashes | Mark::Dots) {
+        vec![at(octave, 1.0 - other), at(octave + beside.signum(), other)]
+    } else {
+        vec![at(octave, 1.0)]
     }
 }
 
 /// A stroke's middle, u in pixels, with depths in pixels of their distance.
-fn spine(stroke: &Stroke, view: &View, knobs: &LinesKnobs) -> Spine {
-    let scale = scale(stroke, knobs);
+fn spine(stroke: &Stroke, view: &View, scale: f64) -> Spine {
     let depth = |depth: f64| match view.pose.projection {
         Projection::Perspective { .. } => {
             let focal = depth / view.pixel(depth).max(1e-12);
@@ -130,4 +153,41 @@ fn spine(stroke: &Stroke, view: &View, knobs: &LinesKnobs) -> Spine {
     }
     let axis = Axis { seed: u64::from(stroke.id), period: period.filter(|_| stroke.closed) };
     Spine::new(knots, stroke.closed, axis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lines::style::LineStyle;
+
+    #[test]
+    fn sizes_of_patterns_fade_into_each_other() {
+        let knobs = LinesKnobs { octaves: true, pattern_length: 20.0, ..LinesKnobs::default() };
+        let brush = Brush { mark: Mark::Dashes, ..LineStyle::default().brush };
+        let stroke = |grown: f64| Stroke {
+            id: 0,
+            kind: Kind::Silhouette,
+            chain: 0,
+            owner: None,
+            closed: false,
+            visible: true,
+            samples: Vec::new(),
+            length: Vec::new(),
+            u: Vec::new(),
+            u_period: None,
+            pixels_per_u: 20.0 * grown,
+        };
+        let at = |grown: f64| scales(&stroke(grown), &brush, &knobs);
+        assert_eq!(at(1.0), [(20.0, 1.0)]);
+        assert_eq!(at(2.1), [(40.0, 1.0)]);
+        // Just before and just after the change both sizes have half of the ink.
+        let root = 2f64.sqrt();
+        for (grown, own, next) in [(root - 1e-6, 20.0, 40.0), (root + 1e-6, 40.0, 20.0)] {
+            let both = at(grown);
+            assert_eq!([both[0].0, both[1].0], [own, next]);
+            assert!(both.iter().all(|b| (b.1 - 0.5).abs() < 1e-3), "{both:?}");
+        }
+        let line = Brush { mark: Mark::Line, ..brush.clone() };
+        assert_eq!(scales(&stroke(root), &line, &knobs).len(), 1);
+    }
 }

@@ -10,13 +10,19 @@
 //!
 //! Grain and pictures of strokes have no outline: such strokes are even here. Rims are shapes of
 //! paper beneath the strokes; haloes, by which near lines part far ones, are in pixels alone.
+//! Pictures beneath are embedded, unless a pen draws.
 
+use super::beneath::Beneath;
 use super::picture::frame;
 use super::ready::{Drawn, ready};
 use super::{Job, Shot};
 use chiaro_basis::Result;
+use chiaro_image::codec;
+use chiaro_image::colour::to_byte;
 use chiaro_ink::brush::{Rib, Ribbon, ribbons, rim};
-use chiaro_ink::{Drawing, Fit, Layer, Mark, Path, Placement, Point, Segment, Travel, fit, route};
+use chiaro_ink::{
+    Drawing, Fit, Layer, Mark, Path, Picture, Placement, Point, Segment, Travel, fit, route,
+};
 use chiaro_lines::Kind;
 use std::collections::BTreeMap;
 
@@ -30,18 +36,22 @@ const CORNER: f64 = 0.7;
 pub(super) fn svg(
     (shot, number): (&Shot, u32),
     job: &Job<'_>,
-    beneath: Vec<Layer>,
+    beneath: Option<Beneath>,
     recipe: String,
 ) -> Result<(String, Travel)> {
     let placement = job.look.print.sheet.place(shot.camera.size)?;
     let colours = &job.look.colours;
     let background = colours.background;
     let mut drawing = Drawing {
+        picture: beneath.as_ref().map(|b| embedded(b, job, &placement)).transpose()?.flatten(),
         page: placement.page,
         title: format!("{}, frame {number}", job.project.file_name()),
         recipe: Some(recipe),
         background: (background[3] > 0.0 && background != [1.0; 4]).then_some(background),
-        layers: beneath,
+        layers: match beneath {
+            Some(Beneath::Layers(layers)) => layers,
+            _ => Vec::new(),
+        },
     };
     let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
     let mut pen = Pen { job, placement: &placement, parts: BTreeMap::new() };
@@ -63,6 +73,18 @@ pub(super) fn svg(
         }
     }
     Ok((drawing.to_svg(), travel))
+}
+
+/// The picture beneath, where pens do not draw.
+fn embedded(beneath: &Beneath, job: &Job<'_>, place: &Placement) -> Result<Option<Picture>> {
+    let Beneath::Pixels(plate) = beneath else { return Ok(None) };
+    if job.look.print.pen.is_some() {
+        return Ok(None);
+    }
+    let png = codec::write_png_rgba(&plate.map(|p| p.map(to_byte)), None)?;
+    let (w, h) = plate.size();
+    let size = [w as f64 * place.scale, h as f64 * place.scale];
+    Ok(Some(Picture { png, corner: place.at([0.0; 2]), size }))
 }
 
 struct Pen<'a> {
