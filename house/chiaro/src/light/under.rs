@@ -31,6 +31,8 @@ impl<'a> Under<'a> {
             check: Check::default(),
             bake: None,
             tree: None,
+            book: None,
+            memory: None,
             backdrop,
             target: Target::Single("under.png".into()),
         };
