@@ -47,13 +47,13 @@ choice! {
 choice! {
     /// How lines that merge and split are kept apart.
     pub enum Cuts {
-        /// At every merger and split, paired within the sliding limit, and where a robust solve still
-        /// finds what contradicts.
+        /// A robust solve finds what contradicts; lines are cut there into charts.
         #[default]
         Charts = "charts",
-        /// Only where a robust solve finds what contradicts: mergers that agree stay whole.
-        Contradictions = "contradictions",
-        /// The same, but links are dropped and lines stay whole.
+        /// At every merger and split, paired within the sliding limit, and where contradictions are
+        /// left: least sliding and jumps, for two or three times as many strokes.
+        Both = "both",
+        /// As charts, but links are dropped and lines stay whole.
         Links = "links",
         /// At every merger and split, paired within the sliding limit.
         Events = "events",

@@ -178,14 +178,14 @@ fn octaves_follow_a_zoom() {
 
 #[test]
 fn every_way_to_cut_and_link_folds_nothing() {
-    let together = [Cuts::Charts, Cuts::Contradictions];
+    let together = [Cuts::Charts, Cuts::Both];
     for cuts in together.into_iter().chain([Cuts::Links, Cuts::Events, Cuts::Unpaired, Cuts::None])
     {
         for links in [Links::Projected, Links::Swept] {
             let mut film = torus_film(10, 6.0);
             let (solved, q) = solve(&mut film, &LinesKnobs { cuts, links, ..plain() });
             assert_eq!(q.folds, 0, "{cuts:?} {links:?}");
-            let at_events = [Cuts::Charts, Cuts::Events, Cuts::Unpaired].contains(&cuts);
+            let at_events = [Cuts::Both, Cuts::Events, Cuts::Unpaired].contains(&cuts);
             assert_eq!(solved.saved.is_some(), at_events);
         }
     }

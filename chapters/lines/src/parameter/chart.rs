@@ -1,7 +1,7 @@
 //! Charts: lines of a film cut so that merges and splits lie on chart borders (section 4.7).
 //!
 //! A cut is a place on a line in one frame, and where it goes in the frames after it or before it,
-//! until it leaves the line. Two ways to choose the cuts, by default one after the other:
+//! until it leaves the line. Two ways to choose the cuts, which may follow each other:
 //!
 //! *At contradictions* ([`contradictions`]): where a robust solve finds links that cannot be had with
 //! the rest (a ring whose gap wanders asks a stretch to be at both ends of the line at once), the

@@ -132,13 +132,13 @@ impl Parameters {
         let linked =
             |film: &Film, anneal: &[f64]| Self::linked(film, spacing, knobs, (anneal, run));
         let mut made = linked(film, &cut::ANNEAL)?;
-        if matches!(knobs.cuts, Cuts::Charts | Cuts::Events | Cuts::Unpaired) {
+        if matches!(knobs.cuts, Cuts::Both | Cuts::Events | Cuts::Unpaired) {
             let paired = knobs.cuts != Cuts::Unpaired;
             let (places, saved) = chart::events(&made.net, paired, sigma);
             split::split(film, &made.net, &places);
             made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
         }
-        if matches!(knobs.cuts, Cuts::Charts | Cuts::Contradictions) {
+        if matches!(knobs.cuts, Cuts::Charts | Cuts::Both) {
             for _ in 0..ROUNDS {
                 let residual = |i: u32| made.kept.residual[i as usize];
                 let places = chart::contradictions(&made.net, &residual, sigma);

@@ -154,7 +154,7 @@ fn cuts(sheet: &mut Sheet, run: &Run) -> Result<()> {
     let ways = [
         (Cuts::Unpaired, Method::Global, "at every event"),
         (Cuts::Events, Method::Global, "paired"),
-        (Cuts::Contradictions, Method::Global, "at contradictions"),
+        (Cuts::Charts, Method::Global, "at contradictions"),
         (Cuts::Charts, Method::Propagate, "from frame to frame"),
     ];
     for (cuts, method, name) in ways {
