@@ -4,7 +4,7 @@
 //! 2. A range of the curve is halved where its highest differing bit changes, down to leaves of at
 //!    most [`LEAF`] surfels.
 //! 3. Sums go bottom-up, children in order, subtrees in parallel.
-//! 4. Walks use the same nodes in groups of eight ([`wide`](crate::wide)); of flat nodes, what they
+//! 4. Walks use the same nodes in groups of eight (`wide`); of flat nodes, what they
 //!    send is solved once.
 //!
 //! Nodes lie in depth-first order; each knows the length of its subtree, so that subtrees built

@@ -124,7 +124,7 @@ impl<'a> Tracer<'a> {
             Some(top) => {
                 let mut nothing = RayHit::none();
                 top.ray_traverse(box_ray(ray), &mut nothing, |r, i| {
-                    call(&self.hierarchy.placed[i], r.tmax)
+                    call(&self.hierarchy.placed[i], r.tmax) + BEHIND
                 });
             }
         }
@@ -143,7 +143,7 @@ impl<'a> Tracer<'a> {
         let sheared = Sheared::new(local.origin, local.direction);
         let mut nothing = RayHit::none();
         let mut box_ray = box_ray(local);
-        box_ray.tmax = reach;
+        box_ray.tmax = reach + BEHIND;
         group.tree.ray_traverse(box_ray, &mut nothing, |r, i| {
             let reach = r.tmax.min(local.t_max);
             let Some(c) = sheared.cross(&group.triangles[i], reach) else { return f32::INFINITY };
@@ -154,7 +154,7 @@ impl<'a> Tracer<'a> {
                 return f32::INFINITY;
             }
             *best = Some(hit);
-            past(c.t)
+            past(c.t) + BEHIND
         });
         best.map_or(reach, |b| past(b.t))
     }
@@ -262,6 +262,9 @@ impl SurfaceKind {
     }
 }
 
+/// How far behind a ray's start box tests begin, in multiples of its direction.
+const BEHIND: f32 = 2e-4;
+
 /// Nearer, or as near with the lower id.
 fn nearer(a: &Hit, b: &Hit) -> bool {
     (a.t, a.object, a.face) < (b.t, b.object, b.face)
@@ -272,8 +275,11 @@ fn past(t: f32) -> f32 {
     t * (1.0 + 16.0 * f32::EPSILON)
 }
 
+/// The ray for box tests. They skip boxes that end less than 1e-4 from the ray's start, however
+/// small the scene is: so it starts farther behind, and its distances are larger by [`BEHIND`].
 fn box_ray(ray: &Ray) -> BoxRay {
     // The box test takes the sign of an inverse for that of the direction: no zero may be negative.
     let direction = Vec3A::from(ray.direction) + Vec3A::ZERO;
-    BoxRay::new(Vec3A::from(ray.origin), direction, 0.0, past(ray.t_max))
+    let origin = Vec3A::from(ray.origin) - direction * BEHIND;
+    BoxRay::new(origin, direction, 0.0, past(ray.t_max) + BEHIND)
 }

@@ -110,6 +110,33 @@ fn rays_at_vertices_edges_and_along_axes_do_not_slip_through() {
 }
 
 #[test]
+fn what_is_near_is_met_at_any_scale() {
+    for scale in [1e-7, 1e-4, 1.0, 1e5] {
+        let mut mesh = sphere(24, 0.0);
+        mesh.positions.iter_mut().for_each(|p| *p *= scale);
+        // Alone, and as one of two places.
+        for places in [1, 2] {
+            let far = place([5.0 * f64::from(scale), 0.0, 0.0], 0.3, [1.0; 3]);
+            let places = &[Transform::default(), far][..places];
+            let scene = scene(mesh.clone(), places);
+            let frame = Poser::new(&scene).frame(0.0, &Playback::default());
+            let tracer = Tracer::new(&scene, &frame);
+            for i in 0..500 {
+                let towards = direction(i);
+                let ray = Ray {
+                    origin: towards * (0.98 * scale),
+                    direction: towards,
+                    t_max: 0.1 * scale,
+                };
+                let hit = tracer.hit(&ray, Sides::Both).map(|hit| hit.t / scale);
+                assert!(hit.is_some_and(|t| t < 0.0201), "{scale} {i} {hit:?}");
+                assert!(tracer.occluded(&ray), "{scale} {i}");
+            }
+        }
+    }
+}
+
+#[test]
 fn hits_are_those_of_every_triangle_tried_in_turn() {
     let places = [
         place([0.0; 3], 0.0, [1.0; 3]),
