@@ -261,7 +261,7 @@ impl CubeBuffer {
         self.texels[texel].cover(&splat, share);
     }
 
-    /// A texel's radiance seen by the receiver: divided by its coverage where it [is closed](Self::is_closed).
+    /// A texel's radiance seen by the receiver: divided by its coverage where it is closed.
     pub fn radiance(&self, texel: usize) -> [f32; 3] {
         let t = &self.texels[texel];
         if self.is_closed(texel) { t.light.map(|l| l / t.coverage) } else { t.light }
