@@ -150,7 +150,9 @@ fn ends(path: &Path, run: Run) -> Option<[End; 2]> {
     let (from, to) = (path.length_around(run.start), path.length_around(run.end));
     let some = REACH.min(to - from);
     let at = |length: f64| path.seen_at(path.place_around(length));
-    let [a, b, c, d] = [at(from)?, at(from + some)?, at(to - some)?, at(to)?];
+    // The ends themselves by their places: where a path leaves the picture and comes back, both have one length.
+    let [a, d] = [path.seen_at(run.start)?, path.seen_at(run.end)?];
+    let [b, c] = [at(from + some)?, at(to - some)?];
     let end = |s: crate::view::Seen, along: DVec2| End {
         at: s.at,
         along: along.normalize_or_zero(),

@@ -404,8 +404,8 @@ pub(crate) fn hidden<'a>(
 /// Whether nothing between two places lies outside the picture.
 fn continuous(path: &Path, places: &[Place]) -> bool {
     places.chunks(2).all(|p| {
-        let range = (p[0] as usize)..(p[1].ceil() as usize).min(path.seen.len());
-        range.into_iter().all(|k| path.seen[k].is_some())
+        let range = (p[0] as usize)..(p[1].ceil() as usize).min(path.segments.len());
+        range.into_iter().all(|k| path.seen[k].is_some() && !path.segments[k].outside)
     })
 }
 

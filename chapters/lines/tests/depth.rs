@@ -159,3 +159,24 @@ fn an_outline_runs_on_from_loop_to_loop() {
     let (apart, joined) = (strokes(0.0), strokes(4.0));
     assert!(joined.1 > 1.5 * apart.1, "{apart:?} {joined:?}");
 }
+
+#[test]
+fn a_line_that_leaves_the_picture_is_not_joined_to_where_it_comes_back() {
+    let (positions, triangles) = torus(80, 40, 0.0);
+    let scene = scene(positions, triangles, false);
+    let still = frame(&scene);
+    let mut leave = 0;
+    for from in [vec3(0.4, 0.9, 1.3), vec3(1.2, 0.8, 1.1), vec3(0.2, 2.0, 0.8)] {
+        let at = |_| (still.clone(), view(from));
+        let reel = Reel { scene: &scene, count: 1, at: &at };
+        let film = Film::of(&reel, &LinesKnobs::default(), &Run::default()).expect("it ends");
+        for stroke in &film.frames[0].strokes {
+            leave += usize::from(!stroke.closed);
+            for pair in stroke.samples.windows(2) {
+                let gap = pair[0].at.distance(pair[1].at);
+                assert!(gap < 12.0, "{from} {} {}", pair[0].at, pair[1].at);
+            }
+        }
+    }
+    assert!(leave > 3, "{leave}");
+}
