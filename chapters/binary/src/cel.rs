@@ -8,7 +8,7 @@ use crate::cut::{Graph, Labels};
 use crate::mend::Costs;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
-use chiaro_mincut::{Distance, LabelGrid, expand};
+use chiaro_mincut::{Distance, LabelError, LabelGrid, Labelling, expand};
 
 /// A frame of a film as its cut needs it.
 pub struct Cel {
@@ -64,19 +64,7 @@ impl Layer {
         paint: [u8; 2],
     ) -> Result<Self> {
         let (width, height) = graph.mask.size();
-        let apart = all_apart(count);
-        let grid = LabelGrid {
-            width,
-            height,
-            labels: count,
-            mask: graph.mask.pixels(),
-            data: &prices,
-            neighbour: graph.neighbour.pixels(),
-            distance: Distance::Metric(&apart),
-        };
-        let found = expand(&grid, &cheapest(&prices, count))
-            .map_err(|e| Error::setting("palette", e, "weights that the cut can add up"))?
-            .labelling;
+        let found = expanded(graph, &prices, count)?;
         let alone = Plane::from_pixels(width, height, found.labels);
         Ok(Self { count, prices, alone, energy: found.energy, paint })
     }
@@ -153,4 +141,28 @@ pub(crate) fn all_apart(count: usize) -> Vec<i32> {
 pub(crate) fn cheapest(prices: &[i32], count: usize) -> Vec<u8> {
     let best = |prices: &[i32]| (0..count).min_by_key(|l| prices[*l]).unwrap_or(0) as u8;
     prices.chunks_exact(count.max(1)).map(best).collect()
+}
+
+/// The best labels without an order, each as far from any other, that expansions find.
+pub(crate) fn expanded(graph: &Graph, data: &[i32], count: usize) -> Result<Labelling> {
+    let apart = all_apart(count);
+    let grid = label_grid(graph, data, count, Distance::Metric(&apart));
+    Ok(expand(&grid, &cheapest(data, count)).map_err(too_large)?.labelling)
+}
+
+/// The pixels of a graph as a problem of labels.
+pub(crate) fn label_grid<'a>(
+    graph: &'a Graph,
+    data: &'a [i32],
+    count: usize,
+    distance: Distance<'a>,
+) -> LabelGrid<'a> {
+    let (width, height) = graph.mask.size();
+    let (mask, neighbour) = (graph.mask.pixels(), graph.neighbour.pixels());
+    LabelGrid { width, height, labels: count, mask, data, neighbour, distance }
+}
+
+/// The sentence for prices that the cut cannot add up.
+pub(crate) fn too_large(error: LabelError) -> Error {
+    Error::setting("palette", error, "weights that the cut can add up")
 }

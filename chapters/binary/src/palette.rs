@@ -10,7 +10,7 @@
 //! Borders follow the geometry as in two colours, and the smallest island holds. White paint means the
 //! lightest colour, black paint the darkest.
 
-use crate::cel::{Cel, Layer, all_apart, cheapest};
+use crate::cel::{Cel, Layer, expanded, label_grid, too_large};
 use crate::cut::Graph;
 use crate::exposure::{Exposure, MOST_STEPS, mixed_tone};
 use crate::island::without_islands;
@@ -22,7 +22,7 @@ use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
 use chiaro_image::colour::{parse_colour, srgb_decode};
 use chiaro_ink::smooth_coverage;
-use chiaro_mincut::{Distance, LabelGrid, MAX_PRICE, expand, solve_ordered};
+use chiaro_mincut::{Distance, Labelling, MAX_PRICE, solve_ordered};
 
 /// The colours of a picture, sRGB-encoded.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,6 +115,12 @@ pub struct Coloured {
     pub energy: i64,
 }
 
+/// The best labels in order, each a step from the next.
+fn ordered(graph: &Graph, data: &[i32], count: usize) -> Result<Labelling> {
+    let steps: Vec<i32> = (0..count as i32).collect();
+    solve_ordered(&label_grid(graph, data, count, Distance::Tones(&steps))).map_err(too_large)
+}
+
 /// Labels a view with a palette of tones or spots. `graph` is the picture's in two colours, `paint`
 /// what is painted on it.
 pub fn colour_regions(
@@ -138,26 +144,10 @@ pub fn colour_regions(
     if let Some(paint) = paint {
         paint.bind_prices(&mut data, palette, graph);
     }
-    let steps: Vec<i32> = (0..count as i32).collect();
-    let apart = all_apart(count);
-    let grid = LabelGrid {
-        width,
-        height,
-        labels: count,
-        mask: graph.mask.pixels(),
-        data: &data,
-        neighbour: graph.neighbour.pixels(),
-        distance: match palette {
-            Palette::Spots(_) => Distance::Metric(&apart),
-            _ => Distance::Tones(&steps),
-        },
-    };
     let found = match palette {
-        Palette::Spots(_) => expand(&grid, &cheapest(&data, count)).map(|e| e.labelling),
-        _ => solve_ordered(&grid),
+        Palette::Spots(_) => expanded(graph, &data, count)?,
+        _ => ordered(graph, &data, count)?,
     };
-    let found =
-        found.map_err(|e| Error::setting("palette", e, "weights that the cut can add up"))?;
     let labels = Plane::from_pixels(width, height, found.labels);
     let area = knobs.island_area(height);
     let mut labels = match palette {
@@ -379,6 +369,7 @@ pub fn is_light(palette: &Palette) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cel::cheapest;
 
     #[test]
     fn palettes_are_read_or_explained() {

@@ -4,11 +4,10 @@
 //! Greer 1997), so that those that reach behind the camera need no clipping. A pixel holds the
 //! nearest depth at its centre; what covers no centre is not there. The same for any number of threads.
 
+use crate::contour::Scenery;
 use crate::mask::Masks;
-use crate::posed::Posed;
 use crate::sight::{extent, shows_front};
 use crate::surface::Surface;
-use crate::view::View;
 use chiaro_basis::math::DVec2;
 use rayon::prelude::*;
 
@@ -17,8 +16,10 @@ const BAND: usize = 32;
 /// Faces that are sorted at once.
 const CHUNK: usize = 1 << 14;
 
-/// The nearest depths of a picture.
+/// The nearest depths of a picture and of the rim in which lines are followed.
 pub(crate) struct Depth {
+    /// Pixels of the rim on every side.
+    rim: usize,
     width: usize,
     height: usize,
     nearest: Vec<f32>,
@@ -43,33 +44,34 @@ struct Raster<'a> {
 }
 
 impl Depth {
-    /// Draws the faces that `hides` admits; it is told the face and whether it shows its front.
-    pub(crate) fn of(
-        surface: &Surface,
-        posed: &Posed,
-        view: &View,
-        masks: &Masks,
-        hides: impl Fn(usize, bool) -> bool + Sync,
-    ) -> Self {
-        let (width, height) = view.size;
-        let vertices = posed.positions.par_iter().map(|p| view.homogeneous(*p)).collect();
+    /// Draws the faces that hide what is behind; `masks`: holes in faces.
+    pub(crate) fn of(scenery: &Scenery<'_>, masks: &Masks) -> Self {
+        let Scenery { surface, posed, view, .. } = *scenery;
+        let rim = scenery.margin.ceil() as usize;
+        let (width, height) = (view.size.0 + 2 * rim, view.size.1 + 2 * rim);
+        let moved = |p| {
+            let [x, y, w, depth] = view.homogeneous(p);
+            [x + rim as f64 * w, y + rim as f64 * w, w, depth]
+        };
+        let vertices = posed.positions.par_iter().map(|p| moved(*p)).collect();
         let near = f64::from(view.pose.near).max(1e-9);
         let raster = Raster { surface, vertices, masks, near, size: [width, height] };
         let bands = height.div_ceil(BAND).max(1);
         let faces = 0..surface.real_faces;
         let chunks: Vec<Vec<Vec<Item>>> = (0..faces.end.div_ceil(CHUNK))
             .into_par_iter()
-            .map(|c| raster.sorted(CHUNK * c..(CHUNK * (c + 1)).min(faces.end), bands, &hides))
+            .map(|c| raster.sorted(CHUNK * c..(CHUNK * (c + 1)).min(faces.end), bands))
             .collect();
         let mut nearest = vec![f32::INFINITY; width * height];
         nearest.par_chunks_mut((BAND * width).max(1)).enumerate().for_each(|(b, band)| {
             chunks.iter().flat_map(|c| &c[b]).for_each(|item| raster.draw(item, BAND * b, band));
         });
-        Self { width, height, nearest }
+        Self { rim, width, height, nearest }
     }
 
-    /// The nearest depth at a picture position; nothing is outside of the picture.
+    /// The nearest depth at a picture position; nothing is outside of the rim.
     pub(crate) fn at(&self, at: DVec2) -> f64 {
+        let at = at + self.rim as f64;
         let inside =
             at.x >= 0.0 && at.y >= 0.0 && at.x < self.width as f64 && at.y < self.height as f64;
         if inside {
@@ -82,17 +84,12 @@ impl Depth {
 
 impl Raster<'_> {
     /// Some faces by the bands that they touch.
-    fn sorted(
-        &self,
-        faces: std::ops::Range<usize>,
-        bands: usize,
-        hides: &impl Fn(usize, bool) -> bool,
-    ) -> Vec<Vec<Item>> {
+    fn sorted(&self, faces: std::ops::Range<usize>, bands: usize) -> Vec<Vec<Item>> {
         let mut sorted = vec![Vec::new(); bands];
         for face in faces {
             let corners = self.corners(face as u32);
             let Some(front) = shows_front(&corners) else { continue };
-            if !hides(face, front) {
+            if !self.surface.hides(face, front) {
                 continue;
             }
             let Some(item) = self.item(face as u32, &corners) else { continue };

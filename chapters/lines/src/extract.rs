@@ -61,29 +61,33 @@ pub struct Lines {
     pub parts: Vec<(usize, usize, Run)>,
 }
 
+impl<'a> Stage<'a> {
+    /// What the paths of a frame are made from.
+    pub(crate) fn scenery(&self, moment: &Moment<'a>) -> Scenery<'a> {
+        Scenery {
+            surface: self.surface,
+            posed: moment.posed,
+            next: moment.next.map(|n| n.0),
+            view: moment.view,
+            passes: self.knobs.smooth_normals,
+            margin: f64::from(self.knobs.margin),
+        }
+    }
+}
+
 impl Lines {
     /// Finds the lines of a frame.
     pub fn find(stage: &Stage<'_>, moment: &Moment<'_>) -> Self {
         let Stage { surface, features, masks, knobs } = *stage;
         let view = moment.view;
-        let scenery = Scenery {
-            surface,
-            posed: moment.posed,
-            next: moment.next.map(|n| n.0),
-            view,
-            passes: knobs.smooth_normals,
-            margin: f64::from(knobs.margin),
-        };
+        let scenery = stage.scenery(moment);
         let g = moment.posed.facing(view);
         let slice = Slice::of(surface, &g);
         let mut paths = features.paths(&scenery, &g);
         paths.extend(scenery.silhouettes(&slice, &g));
         let sets = zero_sets(&scenery, &g, knobs);
         paths.extend(sets.iter().flat_map(|set| scenery.trimmed(set)));
-        let sight = Sight::new(surface, moment.posed, view, Some(masks), |face, front| {
-            let source = &surface.sources[face];
-            source.opaque && (source.two_sided || front != source.turned)
-        });
+        let sight = Sight::new(&scenery, masks);
         if knobs.intersection {
             paths.extend(intersections(&scenery, &sight));
         }

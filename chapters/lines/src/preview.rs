@@ -5,7 +5,6 @@
 //! lies behind what. What it gives up: lines end to within a pixel or two instead of a tenth, parts
 //! thinner than a pixel hide nothing, and where pieces pass through each other there is no line.
 
-use crate::contour::Scenery;
 use crate::depth::Depth;
 use crate::extract::{Lines, Moment, Stage, strokes_of};
 use crate::join::Line;
@@ -30,20 +29,10 @@ impl Lines {
     pub fn preview(stage: &Stage<'_>, moment: &Moment<'_>) -> Self {
         let Stage { surface, features, masks, knobs } = *stage;
         let view = moment.view;
-        let scenery = Scenery {
-            surface,
-            posed: moment.posed,
-            next: moment.next.map(|n| n.0),
-            view,
-            passes: knobs.smooth_normals,
-            margin: f64::from(knobs.margin),
-        };
+        let scenery = stage.scenery(moment);
         let g = moment.posed.facing(view);
         let slice = Slice::of(surface, &g);
-        let depth = Depth::of(surface, moment.posed, view, masks, |face, front| {
-            let source = &surface.sources[face];
-            source.opaque && (source.two_sided || front != source.turned)
-        });
+        let depth = Depth::of(&scenery, masks);
         let mut paths = features.paths(&scenery, &g);
         paths.extend(scenery.silhouettes(&slice, &g));
         let sets = zero_sets(&scenery, &g, knobs);

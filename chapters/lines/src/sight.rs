@@ -5,11 +5,10 @@
 //! crossed in homogeneous coordinates, so that those that reach behind the camera need no clipping.
 //! Where there are many faces most are hidden: a depth buffer ([`Cover`]) answers first.
 
+use crate::contour::Scenery;
 use crate::cover::Cover;
 use crate::mask::Masks;
-use crate::posed::Posed;
 use crate::surface::{NONE, Surface};
-use crate::view::View;
 use chiaro_basis::math::DVec2;
 
 /// Side of a tile in pixels.
@@ -22,13 +21,15 @@ pub struct Sight<'a> {
     surface: &'a Surface,
     /// Homogeneous picture coordinates and depth of every vertex.
     vertices: Vec<[f64; 4]>,
+    /// Columns and rows of tiles left of and above the picture: lines are followed out of it.
+    rim: usize,
     columns: usize,
     rows: usize,
     start: Vec<u32>,
     faces: Vec<u32>,
     /// Beside each of `faces`, what it surely stays within: questions touch little else.
     bounds: Vec<Bounds>,
-    masks: Option<&'a Masks>,
+    masks: &'a Masks,
     cover: Option<Cover>,
 }
 
@@ -59,34 +60,30 @@ impl Bounds {
 }
 
 impl<'a> Sight<'a> {
-    /// Sorts the faces that `hides` admits. `hides(face, front)`: whether a face that shows its
-    /// front or its back to the camera hides what is behind; `masks`: holes in faces.
-    pub fn new(
-        surface: &'a Surface,
-        posed: &Posed,
-        view: &View,
-        masks: Option<&'a Masks>,
-        hides: impl Fn(usize, bool) -> bool,
-    ) -> Self {
+    /// Sorts the faces that hide what is behind; `masks`: holes in faces.
+    pub fn new(scenery: &Scenery<'a>, masks: &'a Masks) -> Self {
+        let Scenery { surface, posed, view, .. } = *scenery;
         let vertices: Vec<[f64; 4]> =
             posed.positions.iter().map(|p| view.homogeneous(*p)).collect();
         let near = f64::from(view.pose.near).max(1e-9);
-        let (columns, rows) = (tiles(view.size.0), tiles(view.size.1));
+        let rim = tiles(scenery.margin);
+        let [columns, rows] = [view.size.0, view.size.1].map(|n| tiles(n as f64).max(1) + 2 * rim);
+        let first = DVec2::splat(rim as f64 * TILE);
         let mut spans = Vec::new();
         let mut cover = (surface.real_faces >= MANY).then(|| Cover::new(view));
         for (f, face) in surface.faces[..surface.real_faces].iter().enumerate() {
             let corners = face.map(|v| vertices[v as usize]);
             let Some(front) = shows_front(&corners) else { continue };
-            if !hides(f, front) {
+            if !surface.hides(f, front) {
                 continue;
             }
             let Some((low, high)) = extent(&corners, near) else { continue };
-            let Some(span) = span(low, high, columns, rows) else { continue };
+            let Some(span) = span(low + first, high + first, columns, rows) else { continue };
             let nearest = corners.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
             spans.push((f as u32, span, Bounds::of(low, high, nearest), [low, high]));
             if let Some(cover) = &mut cover
                 && nearest > near
-                && masks.is_none_or(|m| !m.has(f as u32))
+                && !masks.has(f as u32)
             {
                 cover.add(&corners);
             }
@@ -111,12 +108,12 @@ impl<'a> Sight<'a> {
                 at[t] += 1;
             });
         }
-        Self { surface, vertices, columns, rows, start, faces, bounds, masks, cover }
+        Self { surface, vertices, rim, columns, rows, start, faces, bounds, masks, cover }
     }
 
     /// Whether a picture position is in holes of all of these faces ([`NONE`] left out).
     pub(crate) fn in_hole(&self, at: DVec2, faces: &[u32]) -> bool {
-        let Some(masks) = self.masks else { return false };
+        let masks = self.masks;
         let mut real = faces.iter().copied().filter(|f| *f != NONE).peekable();
         real.peek().is_some()
             && real.all(|f| {
@@ -149,9 +146,10 @@ impl<'a> Sight<'a> {
     }
 
     /// Whether some face other than `own` hides what is at a picture position, at least `slack`
-    /// (scene units) nearer than `depth`. Outside the picture nothing is hidden.
+    /// (scene units) nearer than `depth`. Far outside the picture nothing is hidden.
     pub fn hidden(&self, at: DVec2, depth: f64, slack: f64, own: &[u32]) -> bool {
-        let (tx, ty) = ((at.x / TILE).floor(), (at.y / TILE).floor());
+        let rim = self.rim as f64;
+        let (tx, ty) = ((at.x / TILE).floor() + rim, (at.y / TILE).floor() + rim);
         if !(tx >= 0.0 && ty >= 0.0 && tx < self.columns as f64 && ty < self.rows as f64) {
             return false;
         }
@@ -181,15 +179,15 @@ impl<'a> Sight<'a> {
         if weights.iter().any(|w| *w < 0.0) || sum == 0.0 {
             return None;
         }
-        if self.masks.is_some_and(|m| m.has(face) && m.is_hole(face, weights.map(|w| w / sum))) {
+        if self.masks.has(face) && self.masks.is_hole(face, weights.map(|w| w / sum)) {
             return None;
         }
         Some((0..3).map(|i| weights[i] * corners[i][3]).sum::<f64>() / sum)
     }
 }
 
-fn tiles(pixels: usize) -> usize {
-    ((pixels as f64 / TILE).ceil() as usize).max(1)
+fn tiles(pixels: f64) -> usize {
+    (pixels / TILE).ceil() as usize
 }
 
 /// Whether a face shows its front (its corners turn counter-clockwise on paper, y down); `None`

@@ -180,3 +180,28 @@ fn a_line_that_leaves_the_picture_is_not_joined_to_where_it_comes_back() {
     }
     assert!(leave > 3, "{leave}");
 }
+
+#[test]
+fn what_a_wall_hides_does_not_show_at_the_edge_of_the_picture() {
+    // A torus about the eye's axis, wider than the picture, and before it a wall wider still.
+    let (mut positions, mut triangles) = torus(80, 40, 0.2);
+    let from = vec3(0.0, 2.2, 0.0);
+    let bare = positions.len() as u32;
+    let wall = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
+    positions.extend(wall.map(|(x, z)| vec3(x, 1.5, z)));
+    for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+        triangles.extend([[a, b, c], [c, b, a]].map(|t| t.map(|v| v + bare)));
+    }
+    let strokes = |positions: &[Vec3], triangles: &[[u32; 3]]| {
+        let scene = scene(positions.to_vec(), triangles.to_vec(), false);
+        let still = frame(&scene);
+        let at = |_| (still.clone(), view(from));
+        let reel = Reel { scene: &scene, count: 1, at: &at };
+        let film = Film::of(&reel, &LinesKnobs::default(), &Run::default()).expect("it ends");
+        film.frames[0].strokes.clone()
+    };
+    let open = triangles.len() - 4;
+    let crosses = |s: &chiaro_lines::Stroke| s.samples.iter().any(|p| p.at.min_element() < 0.0);
+    assert!(strokes(&positions[..bare as usize], &triangles[..open]).iter().any(crosses));
+    assert_eq!(strokes(&positions, &triangles), []);
+}

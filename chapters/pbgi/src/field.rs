@@ -212,6 +212,20 @@ fn slant(towards: Vec3, axis: Vec3) -> Vec3 {
 mod tests {
     use super::*;
 
+    /// A white receiver.
+    fn receiver(position: Vec3, normal: Vec3) -> Vertex {
+        Vertex {
+            position,
+            lifted: position,
+            side: normal,
+            smooth: normal,
+            normal,
+            albedo: [1.0; 3],
+            emission: [0.0; 3],
+            offset: 0.0,
+        }
+    }
+
     /// A field whose surroundings are white at distance `d`, seen by a receiver at `offset`.
     fn in_a_ball(d: f32, offset: Vec3, normal: Vec3) -> Light {
         let shape = CubeShape::new(12);
@@ -221,17 +235,7 @@ mod tests {
         }
         let ball = Ball { centre: Vec3::new(5.0, 6.0, 7.0), radius: 1.0 };
         let how = Gathering { threshold: 0.1, occlusion: 1e3, beyond: 1e3 };
-        let at = Vertex {
-            position: ball.centre + offset,
-            lifted: ball.centre + offset,
-            side: normal,
-            smooth: normal,
-            normal,
-            albedo: [1.0; 3],
-            emission: [0.0; 3],
-            offset: 0.0,
-        };
-        Field::of_buffer(&buffer, ball, &how).irradiance(&at)
+        Field::of_buffer(&buffer, ball, &how).irradiance(&receiver(ball.centre + offset, normal))
     }
 
     #[test]
@@ -265,18 +269,7 @@ mod tests {
         let how = Gathering { threshold: 0.1, occlusion: 1e3, beyond: 1e3 };
         let field = Field::of_buffer(&buffer, ball, &how);
         let seen = |x: f32, normal: Vec3| {
-            let position = Vec3::new(x, 0.0, 0.0);
-            let at = Vertex {
-                position,
-                lifted: position,
-                side: normal,
-                smooth: normal,
-                normal,
-                albedo: [1.0; 3],
-                emission: [0.0; 3],
-                offset: 0.0,
-            };
-            field.irradiance(&at)[0] / std::f32::consts::PI
+            field.irradiance(&receiver(Vec3::new(x, 0.0, 0.0), normal))[0] / std::f32::consts::PI
         };
         for x in [-0.5, 0.0, 0.5] {
             assert!((seen(x, Vec3::X) - 1.0).abs() < 0.05, "{x} {}", seen(x, Vec3::X));

@@ -97,6 +97,12 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Whether a face that shows its front or its back to the camera hides what is behind it.
+    pub(crate) fn hides(&self, face: usize, front: bool) -> bool {
+        let source = &self.sources[face];
+        source.opaque && (source.two_sided || front != source.turned)
+    }
+
     /// The surface of what a frame draws; `rule` says what a crease is in this pose.
     pub fn of(scene: &Scene, frame: &Frame, rule: &CreaseRule) -> Self {
         Self::refined(scene, frame, rule, &[])

@@ -35,6 +35,33 @@ pub(crate) struct Nearness {
     pub(crate) map: Plane<bool>,
 }
 
+/// The first frame of a project, posed, lit and seen.
+pub(crate) struct Set<'a> {
+    pub(crate) shot: &'a Shot<'a>,
+    pub(crate) frame: &'a Frame,
+    pub(crate) lit: Lit<'a>,
+    pub(crate) buffer: &'a GBuffer,
+}
+
+/// Sets up the first frame of a project, and works on it.
+pub(crate) fn set<T>(
+    project: &Project,
+    knobs: &LightKnobs,
+    run: &Run,
+    work: impl FnOnce(&Set) -> Result<T>,
+) -> Result<T> {
+    let survey = LightKnobs { surfels: 16, ..knobs.clone() };
+    let shot = Shot::survey(project, &survey, None, run)?;
+    let number = project.frames()[0];
+    let frame = project.pose(&project.poser(), number, run);
+    let tracer = project.tracer(&frame);
+    let pose = shot.camera.pose(&frame, number);
+    let buffer = GBuffer::trace(&tracer, &shot.surfaces, &pose, shot.camera.size, run)?;
+    let lights = shot.lights(&tracer);
+    let lit = Lit { tracer: &tracer, surfaces: &shot.surfaces, lights: &lights };
+    work(&Set { shot: &shot, frame: &frame, lit, buffer: &buffer })
+}
+
 /// Opens the first frame of a scene at a size, and works on it.
 pub(crate) fn still<T>(
     scene: &str,
@@ -45,18 +72,10 @@ pub(crate) fn still<T>(
 ) -> Result<T> {
     let options = Options { size: Some(size), ..Options::default() };
     let project = Project::open(scene, options, run)?;
-    let survey = LightKnobs { surfels: 16, ..knobs.clone() };
-    let shot = Shot::survey(&project, &survey, None, run)?;
-    let number = project.frames()[0];
-    let frame = project.pose(&project.poser(), number, run);
-    let tracer = project.tracer(&frame);
-    let pose = shot.camera.pose(&frame, number);
-    let buffer = GBuffer::trace(&tracer, &shot.surfaces, &pose, shot.camera.size, run)?;
-    let lights = shot.lights(&tracer);
-    let lit = Lit { tracer: &tracer, surfaces: &shot.surfaces, lights: &lights };
-    let direct = direct_irradiance(lit.tracer, &buffer, lit.lights, run)?;
-    let (shot, frame, buffer) = (&shot, &frame, &buffer);
-    work(&Still { shot, frame, lit, buffer, direct, knobs: knobs.clone() })
+    set(&project, knobs, run, |&Set { shot, frame, lit, buffer }| {
+        let direct = direct_irradiance(lit.tracer, buffer, lit.lights, run)?;
+        work(&Still { shot, frame, lit, buffer, direct, knobs: knobs.clone() })
+    })
 }
 
 impl Still<'_> {

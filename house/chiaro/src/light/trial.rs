@@ -6,7 +6,7 @@
 //! processor time of this process over all threads: primary rays and the hierarchy over triangles
 //! are left out, everything else counts.
 
-use super::shot::Shot;
+use super::still::{Set, set};
 use crate::project::Project;
 use chiaro_basis::{Error, Result, Run, random};
 use chiaro_image::Plane;
@@ -67,15 +67,19 @@ pub fn trial(
     let Some(first) = ways.first() else {
         return Err(Error::setting("ways", "", "at least one"));
     };
-    let survey = LightKnobs { surfels: 16, ..first.knobs.clone() };
-    let shot = Shot::survey(project, &survey, None, run)?;
-    let number = project.frames()[0];
-    let frame = project.pose(&project.poser(), number, run);
-    let tracer = project.tracer(&frame);
-    let pose = shot.camera.pose(&frame, number);
-    let buffer = GBuffer::trace(&tracer, &shot.surfaces, &pose, shot.camera.size, run)?;
-    let lights = shot.lights(&tracer);
-    let lit = Lit { tracer: &tracer, surfaces: &shot.surfaces, lights: &lights };
+    set(project, &first.knobs, run, |set| tried(project, set, ways, paths, kept, run))
+}
+
+fn tried(
+    project: &Project,
+    set: &Set,
+    ways: &[Way],
+    paths: u32,
+    kept: Option<&Path>,
+    run: &Run,
+) -> Result<(Truth, Vec<Outcome>)> {
+    let Set { frame, lit, buffer, .. } = set;
+    let first = &ways[0];
     let reference = |half: u64| {
         let name = format!(
             "{}-{}-{}x{}-{paths}-{half}",
@@ -84,8 +88,8 @@ pub fn trial(
             buffer.size().0,
             buffer.size().1
         );
-        remembered(kept.map(|k| k.join(name)).as_deref(), &buffer, || {
-            by_paths(&lit, &buffer, first.knobs.bounces, paths, half, run)
+        remembered(kept.map(|k| k.join(name)).as_deref(), buffer, || {
+            by_paths(lit, buffer, first.knobs.bounces, paths, half, run)
         })
     };
     let truth = Truth { halves: [reference(1)?, reference(2)?], covered: buffer.covered.clone() };
@@ -94,15 +98,13 @@ pub fn trial(
         .map(|way| {
             let start = processor_seconds();
             let (irradiance, gathers, prepared) = match way.paths {
-                Some(count) => {
-                    (by_paths(&lit, &buffer, way.knobs.bounces, count, 3, run)?, 0, start)
-                }
+                Some(count) => (by_paths(lit, buffer, way.knobs.bounces, count, 3, run)?, 0, start),
                 None => {
-                    let sites = sites(&project.scene, &frame, way.knobs.surfels as usize);
-                    let mut scene = prepare(lit, &sites, &way.knobs, run)?;
+                    let sites = sites(&project.scene, frame, way.knobs.surfels as usize);
+                    let mut scene = prepare(*lit, &sites, &way.knobs, run)?;
                     scene.shift = way.shift;
                     let prepared = processor_seconds();
-                    let found = indirect(&scene, &buffer, run)?;
+                    let found = indirect(&scene, buffer, run)?;
                     (found.irradiance, found.gathers, prepared)
                 }
             };
