@@ -55,7 +55,7 @@ pub(crate) enum Command {
     Binary {
         #[command(flatten)]
         scene: SceneArgs,
-        /// A .png, .svg, .tif, .pbm or .apng file, a pattern such as frames/####.png, or a folder.
+        /// A .png, .svg, .tif, .pbm, .apng, .gif or .mp4 file, a pattern such as frames/####.png, or a folder.
         #[arg(short, long)]
         output: PathBuf,
         #[command(flatten)]
@@ -77,7 +77,7 @@ pub(crate) enum Command {
     Lines {
         #[command(flatten)]
         scene: SceneArgs,
-        /// A .png, .apng, .svg or .json file, a pattern such as frames/####.svg, or a folder.
+        /// A .png, .svg, .json, .apng, .gif or .mp4 file, a pattern such as frames/####.svg, or a folder.
         #[arg(short, long)]
         output: PathBuf,
         #[command(flatten)]
@@ -91,7 +91,7 @@ pub(crate) enum Command {
     Light {
         #[command(flatten)]
         scene: SceneArgs,
-        /// A .png, .exr or .apng file, a pattern such as frames/####.exr, or a folder.
+        /// A .png, .exr, .apng, .gif or .mp4 file, a pattern such as frames/####.exr, or a folder.
         #[arg(short, long)]
         output: PathBuf,
         #[command(flatten)]

@@ -458,3 +458,44 @@ fn pictures_of_one_row_or_column_are_drawn() {
         assert!(output.status.success(), "{size}: {}", stderr(&output));
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn films_in_one_file_are_ours_or_the_encoders() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = folder();
+    let film = |name: &str, path: &Path| {
+        Command::new(env!("CARGO_BIN_EXE_chiaro"))
+            .current_dir(dir.path())
+            .env("PATH", path)
+            .args(["lines", "cube.obj", "-o", name, "--frames", "1-3", "--turntable", "-q"])
+            .args(["--size", "33x21"])
+            .output()
+            .unwrap()
+    };
+    let tools = dir.path().join("tools");
+    std::fs::create_dir(&tools).unwrap();
+    assert!(film("a.gif", &tools).status.success());
+    assert!(std::fs::read(dir.path().join("a.gif")).unwrap().starts_with(b"GIF89a"));
+
+    let without = film("a.mp4", &tools);
+    assert_eq!(without.status.code(), Some(1), "{}", stderr(&without));
+    assert!(stderr(&without).contains("no ffmpeg on the PATH"), "{}", stderr(&without));
+
+    // An encoder that keeps the frames as they are, and one that refuses them.
+    let encoder = tools.join("ffmpeg");
+    let script = |text: &str| {
+        std::fs::write(&encoder, text).unwrap();
+        std::fs::set_permissions(&encoder, PermissionsExt::from_mode(0o755)).unwrap();
+    };
+    script("#!/bin/sh\nfor last; do :; done\nexec /bin/cat > \"$last\"\n");
+    let with = film("a.mp4", &tools);
+    assert!(with.status.success(), "{}", stderr(&with));
+    assert_eq!(std::fs::read(dir.path().join("a.mp4")).unwrap().len(), 3 * 33 * 21 * 3);
+    script("#!/bin/sh\necho 'no such codec' >&2\nexit 1\n");
+    let refused = film("b.webm", &tools);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(stderr(&refused).contains("no such codec"), "{}", stderr(&refused));
+    let names = files(dir.path());
+    assert!(names.iter().all(|f| !f.to_string_lossy().contains("b.webm")), "{names:?}");
+}

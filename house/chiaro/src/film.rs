@@ -6,6 +6,7 @@
 //! nothing. Receipts are files of their own, so that two processes on one folder do not spoil each
 //! other's.
 
+use crate::movie::Container;
 use crate::record::Output;
 use crate::write;
 use chiaro_basis::{Error, Result};
@@ -19,13 +20,14 @@ pub enum Target {
     Single(PathBuf),
     /// A file a frame; `#` signs stand for the frame number.
     Pattern(PathBuf),
-    /// All frames in one file, an animated PNG.
+    /// All frames in one file: an animated PNG or GIF, MP4 or WebM.
     Animation(PathBuf),
 }
 
 impl Target {
-    /// Reads an output path: `####` makes a pattern, a folder holds `####.png`, `.apng` is an
-    /// animation, anything else is one picture, of which several frames cannot be made.
+    /// Reads an output path: `####` makes a pattern, a folder holds `####.png`, `.apng`, `.gif`,
+    /// `.mp4` and `.webm` are animations (the latter two where this machine has ffmpeg), anything
+    /// else is one picture, of which several frames cannot be made.
     pub fn parse(path: &Path, frames: usize) -> Result<Self> {
         let text = path.to_string_lossy();
         let fail = |range: &str| Err(Error::setting("-o", &text, range));
@@ -33,7 +35,8 @@ impl Target {
             return fail("a file name, as in out.png");
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if extension(path) == "apng" {
+        if let Some(container) = Container::of(&extension(path)) {
+            container.check(path)?;
             return Ok(Self::Animation(path.into()));
         }
         if name.contains('#') {
@@ -44,7 +47,7 @@ impl Target {
         }
         if frames > 1 {
             return fail(
-                "a pattern with # for the digits of the frame, as in frames/####.png, a folder, or an .apng",
+                "a pattern with # for the digits of the frame, as in frames/####.png, a folder, or an .apng, .gif, .mp4 or .webm",
             );
         }
         Ok(Self::Single(path.into()))
@@ -59,6 +62,11 @@ impl Target {
                 path.with_file_name(numbered(&name, frame))
             }
         }
+    }
+
+    /// Whether frames become parts of one file.
+    pub fn is_animation(&self) -> bool {
+        matches!(self, Self::Animation(_))
     }
 
     /// The file's ending, in lower case.

@@ -6,10 +6,11 @@
 //! 3. At the end the record has all files and measures, in the order of the frames.
 
 use crate::film::{self, Target};
+use crate::movie::Container;
 use crate::record::{Output, Record};
 use crate::write;
 use chiaro_basis::{Result, Run};
-use chiaro_image::{Plane, codec};
+use chiaro_image::Plane;
 use serde_json::{Map, Value};
 
 /// Files and measures of a job's frames; `recipe` is that of a frame.
@@ -41,7 +42,7 @@ impl<'a> Frames<'a> {
 
     /// Whether frames become parts of an animation.
     pub(crate) fn are_one_file(&self) -> bool {
-        matches!(self.target, Target::Animation(_))
+        self.target.is_animation()
     }
 
     /// Keeps a frame of an animation.
@@ -77,8 +78,10 @@ impl<'a> Frames<'a> {
         if let (Target::Animation(path), Some((first, _))) = (self.target, self.pictures.first()) {
             let (first, recipe) = (*first, (self.recipe)(*first));
             let pictures: Vec<_> = self.pictures.into_iter().map(|(_, picture)| picture).collect();
-            let bytes = codec::write_apng(&pictures, fps, Some(&recipe))?;
-            self.outputs.push((first, run.stage("write", 1, || write::whole(path, &bytes))?));
+            let container = Container::of(&self.target.extension()).unwrap_or(Container::Apng);
+            let written =
+                run.stage("write", 1, || container.write(path, &pictures, fps, &recipe, run))?;
+            self.outputs.push((first, written));
         }
         self.outputs.sort_by_key(|(number, _)| *number);
         record.outputs.extend(self.outputs.into_iter().map(|(_, output)| output));

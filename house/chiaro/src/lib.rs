@@ -22,6 +22,7 @@ pub mod light;
 mod lighting;
 pub mod lines;
 pub mod mincut;
+mod movie;
 pub mod number;
 pub mod page;
 pub mod painting;

@@ -1,4 +1,5 @@
-//! Pictures to bytes and back: PNG, JPEG and Radiance HDR (reading only), PBM and OpenEXR; planes
+//! Pictures to bytes and back: PNG, JPEG and Radiance HDR (reading only), PBM and OpenEXR; films as
+//! animated PNG and GIF; planes
 //! as NPY (writing only).
 //!
 //! Codecs take and give bytes, never files, so that the caller alone decides how a file appears on
@@ -8,6 +9,7 @@
 
 mod apng;
 mod exr;
+mod gif;
 mod hdr;
 mod jpeg;
 mod limits;
@@ -19,6 +21,7 @@ mod tiff;
 
 pub use apng::write_apng;
 pub use exr::{ExrChannel, ExrImage, read_exr, write_exr};
+pub use gif::write_gif;
 pub use hdr::read_hdr;
 pub use limits::Limits;
 pub use npy::{write_npy, write_npy_labels};

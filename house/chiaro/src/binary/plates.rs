@@ -23,14 +23,15 @@ pub(crate) enum Encoding {
 impl Encoding {
     pub(crate) fn of(target: &Target) -> Result<Self> {
         match target.extension().as_str() {
-            "png" | "apng" => Ok(Self::Png),
+            _ if target.is_animation() => Ok(Self::Png),
+            "png" => Ok(Self::Png),
             "pbm" => Ok(Self::Pbm),
             "tif" | "tiff" => Ok(Self::Tiff),
             "svg" => Ok(Self::Svg),
             other => Err(Error::setting(
                 "-o",
                 format!(".{other}"),
-                "a file name that ends in .png, .apng, .svg, .pbm or .tif",
+                "a file name that ends in .png, .apng, .gif, .mp4, .webm, .svg, .pbm or .tif",
             )),
         }
     }

@@ -84,11 +84,12 @@ pub struct Job<'a> {
 /// Whether a light job can write such a file.
 pub fn check_target(target: &Target) -> Result<()> {
     match target.extension().as_str() {
-        "png" | "apng" | "exr" => Ok(()),
+        _ if target.is_animation() => Ok(()),
+        "png" | "exr" => Ok(()),
         other => Err(Error::setting(
             "-o",
             format!(".{other}"),
-            "a file name that ends in .png, .apng or .exr",
+            "a file name that ends in .png, .apng, .gif, .mp4, .webm or .exr",
         )),
     }
 }

@@ -112,13 +112,14 @@ pub fn target(path: &std::path::Path, frames: usize) -> Result<Target> {
 impl Encoding {
     fn of(target: &Target) -> Result<Self> {
         match target.extension().as_str() {
-            "png" | "apng" => Ok(Self::Png),
+            _ if target.is_animation() => Ok(Self::Png),
+            "png" => Ok(Self::Png),
             "svg" => Ok(Self::Svg),
             "json" => Ok(Self::Json),
             other => Err(Error::setting(
                 "-o",
                 format!(".{other}"),
-                "a file name that ends in .png, .apng, .svg or .json",
+                "a file name that ends in .png, .apng, .gif, .mp4, .webm, .svg or .json",
             )),
         }
     }
