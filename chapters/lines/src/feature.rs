@@ -5,6 +5,7 @@
 //! pairs that run on most straight in the pose given are joined. A chain's index is its identity.
 
 use crate::contour::Scenery;
+use crate::fringe::Fringe;
 use crate::path::{Kind, Path, Point, Segment};
 use crate::surface::{Anchor, NONE, Surface};
 use chiaro_basis::math::DVec3;
@@ -29,6 +30,8 @@ pub struct FeatureChain {
 pub struct Features {
     /// The chains.
     pub chains: Vec<FeatureChain>,
+    /// Where masked faces end; their chains are counted on from those.
+    pub fringes: Vec<Fringe>,
 }
 
 impl Features {
@@ -42,14 +45,23 @@ impl Features {
         ] {
             chains.extend(chained(surface, positions, kind, halves));
         }
-        Self { chains }
+        Self { chains, fringes: Vec::new() }
+    }
+
+    /// How many segments each chain has.
+    pub(crate) fn counts(&self) -> impl Iterator<Item = usize> {
+        let fringes = self.fringes.iter().map(|f| f.faces.len());
+        self.chains.iter().map(|c| c.halves.len()).chain(fringes)
     }
 
     /// The paths of the chains in one frame; `g` is the silhouettes'. Where a silhouette runs along
     /// a crease it is left out here.
     pub fn paths(&self, scenery: &Scenery<'_>, g: &[f64]) -> Vec<Path> {
         let path = |(i, c): (usize, &FeatureChain)| feature_path(c, i as u32, scenery, g);
-        self.chains.iter().enumerate().map(path).collect()
+        let first = self.chains.len() as u32;
+        let fringe = |(i, f): (usize, &Fringe)| f.path(first + i as u32, scenery);
+        let fringes = self.fringes.iter().enumerate().map(fringe);
+        self.chains.iter().enumerate().map(path).chain(fringes).collect()
     }
 }
 

@@ -207,8 +207,11 @@ impl Reel<'_> {
             };
             levels.iter_mut().for_each(|l| *l += more);
             let coarse = levels.iter().all(|l| *l == 0);
-            let ground =
+            let mut ground =
                 if coarse { ground } else { Ground::of(self.scene, &frame, knobs, &levels) };
+            if knobs.border {
+                ground.features.fringes = crate::fringe::fringes(self, &ground);
+            }
             Some(Arc::new(ground))
         })
     }
@@ -523,8 +526,7 @@ fn strands(lines: &Lines, features: Option<&Features>) -> Vec<Strands> {
     };
     let chains = lines.slice.chains.iter();
     let silhouettes = Strands::empty(starts(&mut chains.map(|c| c.count as usize)));
-    let halves = features.into_iter().flat_map(|f| &f.chains);
-    let edges = Strands::empty(starts(&mut halves.map(|c| c.halves.len())));
+    let edges = Strands::empty(starts(&mut features.into_iter().flat_map(Features::counts)));
     let mut families = vec![silhouettes, edges];
     for (_, slice) in &lines.further {
         let chains = slice.chains.iter();

@@ -1,13 +1,15 @@
 //! [`Masks`]: faces whose textures cut holes into them, such as leaves on cards.
 //!
 //! Where a material's opacity falls below its cutoff there is no surface: nothing is hidden behind it,
-//! and no line of it is seen. Not done: the outline of what is left is a line of the texture, and is
-//! not drawn.
+//! and no line of it is seen. Where what is left ends there is a line ([`crate::Fringe`]).
 
 use crate::surface::{NONE, Source, Surface};
 use chiaro_basis::math::Vec2;
 use chiaro_scene::{Alpha, Frame, Mesh, Scene, Texture};
 use std::collections::HashMap;
+
+/// Most looks at a texture along a side of a cell.
+const LOOKS: f64 = 4.0;
 
 /// The faces of a surface that have holes.
 #[derive(Clone, Debug, Default)]
@@ -83,6 +85,33 @@ impl Masks {
         let uv = cut.uv[0] * w[0] + cut.uv[1] * w[1] + cut.uv[2] * w[2];
         let own: f32 = (0..3).map(|i| cut.alpha[i] * w[i]).sum();
         own * self.textures[cut.texture as usize].sample(uv, |_| 0.0)[3] < cut.cutoff
+    }
+
+    /// By how much the opacity is above its cutoff, averaged over a cell around a point of a face with
+    /// holes; `n` cells are along each edge.
+    pub(crate) fn excess(&self, face: u32, weights: [f32; 3], n: u32) -> f32 {
+        let cut = &self.cuts[self.of_face[face as usize] as usize];
+        let texture = &self.textures[cut.texture as usize];
+        let looks = (self.texels(face) / f64::from(n)).ceil().clamp(1.0, LOOKS) as u32;
+        let offset = |k: u32| ((k as f32 + 0.5) / looks as f32 - 0.5) / n as f32;
+        let look = |(i, j): (u32, u32)| {
+            let (a, b) = (offset(i), offset(j));
+            let w = [weights[0] - a - b, weights[1] + a, weights[2] + b];
+            let uv = cut.uv[0] * w[0] + cut.uv[1] * w[1] + cut.uv[2] * w[2];
+            let own: f32 = (0..3).map(|i| cut.alpha[i] * w[i]).sum();
+            own * texture.sample(uv, |_| 0.0)[3]
+        };
+        let all = (0..looks).flat_map(|i| (0..looks).map(move |j| (i, j)));
+        all.map(look).sum::<f32>() / (looks * looks) as f32 - cut.cutoff
+    }
+
+    /// Texels along the longest edge of a face with holes.
+    pub(crate) fn texels(&self, face: u32) -> f64 {
+        let cut = &self.cuts[self.of_face[face as usize] as usize];
+        let (w, h) = self.textures[cut.texture as usize].pixels.size();
+        let size = Vec2::new(w as f32, h as f32);
+        let side = |i: usize, j: usize| f64::from(((cut.uv[i] - cut.uv[j]) * size).length());
+        side(0, 1).max(side(1, 2)).max(side(2, 0))
     }
 
     /// Whether a face may have holes.

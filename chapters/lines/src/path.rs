@@ -111,6 +111,8 @@ pub struct Path {
     pub chain: u32,
     /// Whether the last point is joined to the first; the first is then repeated at the end.
     pub closed: bool,
+    /// Whether it is where a masked face ends: such a line is on the border of a hole, in none.
+    pub fringe: bool,
     /// Its points.
     pub points: Vec<Point>,
     /// Where each point is in the picture; `None` behind the camera.
@@ -141,6 +143,7 @@ impl Path {
             kind,
             chain,
             closed,
+            fringe: false,
             points: Vec::with_capacity(points.len()),
             seen: Vec::with_capacity(points.len()),
             segments: Vec::with_capacity(segments.len()),

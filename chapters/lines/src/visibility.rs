@@ -326,7 +326,7 @@ impl Looker<'_> {
         let k = (place as usize).min(self.path.segments.len() - 1);
         let own = &self.path.segments[k].own;
         let slack = if point.pushed == point.world { EDGE_SLACK } else { SLACK };
-        !self.sight.in_hole(seen.at, own)
+        (self.path.fringe || !self.sight.in_hole(seen.at, own))
             && !self.sight.hidden(seen.at, seen.depth, slack * seen.depth, own)
     }
 }
