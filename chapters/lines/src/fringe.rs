@@ -308,9 +308,8 @@ mod tests {
         let uv = |k: u32| vec2((k % (n + 1)) as f32, (k / (n + 1)) as f32) / n as f32;
         let uvs: Vec<Vec2> = (0..(n + 1) * (n + 1)).map(uv).collect();
         let cells = (0..n).flat_map(|j| (0..n).map(move |i| j * (n + 1) + i));
-        let triangles: Vec<[u32; 3]> = cells
-            .flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]])
-            .collect();
+        let triangles: Vec<[u32; 3]> =
+            cells.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
         let opacity = |x: usize, y: usize| {
             let p = vec2(x as f32 + 0.5, y as f32 + 0.5) / 256.0 - 0.5;
             [0, 0, 0, (127.5 + 2560.0 * (0.3 - p.length())).clamp(0.0, 255.0) as u8]

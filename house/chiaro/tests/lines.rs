@@ -4,6 +4,7 @@
 
 use chiaro::{Options, Project};
 use chiaro_basis::Run;
+use chiaro_basis::math::{Quat, Vec3, vec3};
 use chiaro_lines::{CreaseRule, Crossing, Posed, Slice, Surface, View, track};
 use chiaro_scene::{Pose, Projection};
 use std::path::{Path, PathBuf};
@@ -31,11 +32,14 @@ fn silhouettes_of_real_animations_are_closed_and_s_is_a_surface() {
         return println!("skipped: ../shared/data/anim is absent");
     }
     for file in found {
-        follow(&file);
+        for degrees in [0.0, 4.0] {
+            follow(&file, degrees);
+        }
     }
 }
 
-fn follow(file: &Path) {
+/// Follows a second of a file, the camera turning around it by so many degrees a frame.
+fn follow(file: &Path, degrees: f32) {
     let name = file.display();
     let run = Run::default();
     let project = Project::open(&file.to_string_lossy(), Options::default(), &run)
@@ -50,10 +54,10 @@ fn follow(file: &Path) {
     let mut before: Option<(Vec<f64>, Slice)> = None;
     let mut kinetic: Option<track::Kinetic<'_>> = None;
     for i in 0..24 {
-        let away = chiaro_basis::math::vec3(1.0, 0.4, 1.7) * 2.0 * bounds.radius();
+        let turn = Quat::from_rotation_y(degrees.to_radians() * i as f32);
+        let away = turn * vec3(1.0, 0.4, 1.7) * 2.0 * bounds.radius();
         let projection = Projection::Perspective { fov_y: 0.6 };
-        let up = chiaro_basis::math::Vec3::Y;
-        let pose = Pose::look_at(bounds.centre() + away, bounds.centre(), up, projection);
+        let pose = Pose::look_at(bounds.centre() + away, bounds.centre(), Vec3::Y, projection);
         let posed = Posed::new(&surface, &frame(i), 0);
         let g = posed.facing(&View::new(pose, (320, 240)));
         let slice = Slice::of(&surface, &g);
