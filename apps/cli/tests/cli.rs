@@ -432,6 +432,34 @@ fn lines_over_regions_resume_and_strokes_say_what_they_are() {
 }
 
 #[test]
+fn films_of_lines_with_next_to_nothing_in_them_are_films() {
+    let dir = folder();
+    let wall = "v -90 -90 3\nv 90 -90 3\nv 90 90 3\nv -90 90 3\nf 9 10 11 12\n";
+    std::fs::write(dir.path().join("wall.obj"), format!("{CUBE}{wall}")).unwrap();
+    let at = |from: &'static str, to: &'static str| ["--from", from, "--look-at", to];
+    let (near, far) = (at("0.5,0.5,9", "0.5,0.5,0.5"), at("0.5,0.5,700", "0.5,0.5,0.5"));
+    let away = at("0.5,0.5,9", "0.5,0.5,90");
+    let all = ["--set", "shortest=0", "--set", "prune=0", "--hidden", "dashed"];
+    for method in ["global", "propagate", "diffuse", "arclength"] {
+        for texture in ["texture=periodic", "texture=stretched"] {
+            let count = |scene: &str, frames: &str, extra: &[&str]| {
+                let look = ["--size", "64x48", "--style", "brush", "--set", texture, "-q"];
+                let args = ["lines", scene, "--frames", frames, "--method", method, "-o", "o.json"];
+                let output = chiaro(dir.path(), &[&args[..], &look, extra].concat());
+                assert!(output.status.success(), "{method} {texture}: {}", stderr(&output));
+                let text = std::fs::read_to_string(dir.path().join("o.json")).unwrap();
+                assert!(!text.contains("NaN") && !text.contains("inf"), "{method} {texture}");
+                text.matches("\"type\":").count()
+            };
+            assert!(count("cube.obj", "1-2", &[]) >= 2, "two frames that stand still");
+            assert_eq!(count("wall.obj", "1-3", &near), 0, "everything is hidden");
+            assert_eq!(count("cube.obj", "1-3", &away), 0, "nothing is there");
+            count("cube.obj", "1-3", &[&far[..], &all].concat());
+        }
+    }
+}
+
+#[test]
 fn styles_are_for_lines_or_for_regions() {
     let dir = tempfile::tempdir().unwrap();
     let no = |args: &[&str], hint: &str| {

@@ -4,6 +4,7 @@ use crate::film::{Film, FilmFrame};
 use crate::stroke::Stroke;
 use crate::track::EventKind;
 use chiaro_basis::math::DVec2;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// A stroke below this length is short, pixels.
@@ -97,34 +98,72 @@ fn events(film: &Film) -> [u64; 3] {
 }
 
 fn one_to_one(film: &Film) -> f64 {
-    let (mut found, mut all) = (0.0, 0.0);
-    for pair in film.frames.windows(2).filter(|p| !p[1].begins) {
-        for stroke in &pair[0].strokes {
-            let [own, total] = kept(stroke, &pair[1]);
-            found += own;
-            all += total;
-        }
-    }
+    let pairs = film.frames.par_windows(2).filter(|p| !p[1].begins);
+    let sums: Vec<[f64; 2]> = pairs.map(|p| kept_between(&p[0], &p[1])).collect();
+    let [found, all] = sums.iter().fold([0.0; 2], |a, s| [a[0] + s[0], a[1] + s[1]]);
     if all > 0.0 { found / all } else { 1.0 }
 }
 
-/// Length of a stroke that finds its own id in the next frame, and that has a next frame at all.
-fn kept(stroke: &Stroke, next: &FilmFrame) -> [f64; 2] {
-    let weight = stroke.total() / stroke.samples.len() as f64;
+/// Length of a frame's strokes that finds its own id in the next, and that has a next frame at all.
+fn kept_between(here: &FilmFrame, next: &FilmFrame) -> [f64; 2] {
+    let there: Vec<Boxed<'_>> = next.strokes.iter().map(Boxed::of).collect();
+    let mut by_id: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    there.iter().enumerate().for_each(|(i, b)| by_id.entry(b.stroke.id).or_default().push(i));
     let mut sums = [0.0; 2];
-    for at in stroke.samples.iter().filter_map(|s| s.next_at) {
-        let of = |own: bool| {
-            let same = next.strokes.iter().filter(|s| s.kind == stroke.kind);
-            let these = same.filter(|s| (s.id == stroke.id) == own);
-            these.map(|s| distance(s, at)).fold(f64::INFINITY, f64::min)
-        };
-        let (own, other) = (of(true), of(false));
-        sums[1] += weight;
-        if own.is_finite() && other > own - NEARER {
-            sums[0] += weight;
+    for stroke in &here.strokes {
+        let weight = stroke.total() / stroke.samples.len() as f64;
+        let own: Vec<&Boxed<'_>> = by_id
+            .get(&stroke.id)
+            .into_iter()
+            .flatten()
+            .map(|i| &there[*i])
+            .filter(|b| b.stroke.kind == stroke.kind)
+            .collect();
+        for at in stroke.samples.iter().filter_map(|s| s.next_at) {
+            sums[1] += weight;
+            let away = own.iter().fold(f64::INFINITY, |d, b| b.nearer(at, d));
+            if away.is_finite() && !is_taken(stroke, at, away - NEARER, &there) {
+                sums[0] += weight;
+            }
         }
     }
     sums
+}
+
+/// Whether another stroke of its type lies within a distance of a material point.
+fn is_taken(stroke: &Stroke, at: DVec2, within: f64, there: &[Boxed<'_>]) -> bool {
+    within >= 0.0
+        && there
+            .iter()
+            .filter(|b| b.stroke.kind == stroke.kind && b.stroke.id != stroke.id)
+            .any(|b| b.away(at) <= within && distance(b.stroke, at) <= within)
+}
+
+/// A stroke and the box around it, by which most strokes are known to be too far away.
+struct Boxed<'a> {
+    stroke: &'a Stroke,
+    low: DVec2,
+    high: DVec2,
+}
+
+impl<'a> Boxed<'a> {
+    fn of(stroke: &'a Stroke) -> Self {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for s in &stroke.samples {
+            (low, high) = (low.min(s.at), high.max(s.at));
+        }
+        Self { stroke, low, high }
+    }
+
+    /// A place's distance from the box.
+    fn away(&self, at: DVec2) -> f64 {
+        (self.low - at).max(at - self.high).max(DVec2::ZERO).length()
+    }
+
+    /// The stroke's distance, if it is less than `least`, which is the answer else.
+    fn nearer(&self, at: DVec2, least: f64) -> f64 {
+        if self.away(at) < least { distance(self.stroke, at).min(least) } else { least }
+    }
 }
 
 /// Distance of a picture position from a stroke.

@@ -30,7 +30,7 @@ pub struct Quality {
     pub slide_p95: f64,
     /// Share of length that slides by more than 2 px.
     pub slide_over_2: f64,
-    /// Share of length that slides by more than 8 px or finds another id.
+    /// Share of length that slides by more than 8 px or finds another texture.
     pub jumps: f64,
     /// Share of frame pairs of which a fifth jumps.
     pub broken_pairs: f64,
@@ -38,13 +38,15 @@ pub struct Quality {
     /// back along the motion, where half of every 24 pixels of u is ink: what is seen of
     /// jumps and sliding at once, pixels.
     pub ink_pop_p99: f64,
-    /// 95th percentile of |log2 (du / ds)|, in octaves.
+    /// 95th percentile of |log2 (du / ds)| where u rises, in octaves.
     pub stretch_p95: f64,
+    /// Share of length on which u does not rise: what the stretch above leaves out.
+    pub folded: f64,
     /// Segments on which u does not rise.
     pub folds: usize,
 }
 
-/// A frame pair's samples: sliding in pixels, whether the id stays, and length.
+/// A frame pair's samples: sliding in pixels, whether the texture stays, and length.
 type Slides = Vec<(f64, bool, f64)>;
 
 /// What is found between two frames.
@@ -64,14 +66,15 @@ pub fn quality(film: &Film) -> Quality {
     let all: Slides = pairs.iter().flat_map(|p| p.slides.iter().copied()).collect();
     let strokes = || film.frames.iter().flat_map(|f| &f.strokes);
     let slopes: Vec<(f64, f64)> = strokes().flat_map(slopes).collect();
-    let octaves = |s: &(f64, f64)| if s.0 > 0.0 { s.0.log2().abs() } else { f64::INFINITY };
+    let rising = slopes.iter().filter(|s| s.0 > 0.0);
     Quality {
         slide_p95: percentile(all.iter().map(|x| (x.0, x.2)).collect(), 0.95),
         slide_over_2: share(all.iter().map(|x| (x.2, x.0 > SEEN))),
         jumps: jumps(&all),
         ink_pop_p99: percentile(pairs.iter().map(|p| (p.pop, 1.0)).collect(), 0.99),
         broken_pairs: if pairs.is_empty() { 0.0 } else { broken as f64 / pairs.len() as f64 },
-        stretch_p95: percentile(slopes.iter().map(|s| (octaves(s), s.1)).collect(), 0.95),
+        stretch_p95: percentile(rising.map(|s| (s.0.log2().abs(), s.1)).collect(), 0.95),
+        folded: share(slopes.iter().map(|s| (s.1, s.0 <= 0.0))),
         folds: slopes.iter().filter(|s| s.0 <= 0.0).count(),
     }
 }
@@ -108,7 +111,8 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
                 du -= (du / period).round() * period;
             }
             let scale = 0.5 * (stroke.pixels_per_u + other.pixels_per_u);
-            pair.slides.push((scale * du.abs(), other.id == stroke.id, weight));
+            let stays = other.texture() == stroke.texture();
+            pair.slides.push((scale * du.abs(), stays, weight));
             let ink = |u: f64| (scale * u / PATTERN).rem_euclid(1.0) < 0.5;
             // Whole turns of a loop are no change.
             run = if ink(stroke.u[j]) == ink(stroke.u[j] + du) { 0.0 } else { run + weight };
@@ -154,7 +158,7 @@ fn percentile(mut items: Vec<(f64, f64)>, at: f64) -> f64 {
 
 impl Quality {
     /// Names and values for records.
-    pub fn named(&self) -> [(&'static str, f64); 7] {
+    pub fn named(&self) -> [(&'static str, f64); 8] {
         [
             ("slide_p95_px", self.slide_p95),
             ("slide_over_2px", self.slide_over_2),
@@ -162,6 +166,7 @@ impl Quality {
             ("broken_pairs_share", self.broken_pairs),
             ("ink_pop_p99_px", self.ink_pop_p99),
             ("stretch_p95_octaves", self.stretch_p95),
+            ("folded_share", self.folded),
             ("folds", self.folds as f64),
         ]
     }

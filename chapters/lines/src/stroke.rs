@@ -73,6 +73,12 @@ pub struct Stroke {
     pub u_period: Option<f64>,
     /// How many pixels a unit of u should measure in this frame.
     pub pixels_per_u: f64,
+    /// The texture that it shows a part of: where lines merge and split and u goes on, so does this.
+    /// Before the film is solved as a whole, none: its id stands for it.
+    pub component: Option<u32>,
+    /// After how much of u the texture begins anew: once round the closed lines of its component,
+    /// whether this one is closed or not.
+    pub repeats: Option<f64>,
 }
 
 impl Sample {
@@ -96,6 +102,11 @@ impl Sample {
 }
 
 impl Stroke {
+    /// What its noise and marks go by: lines that have the same show one texture.
+    pub fn texture(&self) -> u32 {
+        self.component.unwrap_or(self.id)
+    }
+
     /// A run of a path. `next_view` is the camera one frame later.
     pub fn of(path: &Path, run: Run, step: f64, view: &View, next_view: Option<&View>) -> Self {
         let n = path.segments.len() as f64;
@@ -115,6 +126,8 @@ impl Stroke {
             u: Vec::new(),
             u_period: None,
             pixels_per_u: 1.0,
+            component: None,
+            repeats: None,
         };
         stroke.measure();
         stroke

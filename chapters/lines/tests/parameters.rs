@@ -277,3 +277,17 @@ fn threads_change_no_parameter() {
     };
     assert_eq!(on(1), on(3));
 }
+
+#[test]
+fn an_id_has_one_texture_and_loops_close_as_it_repeats() {
+    let mut film = torus_film(16, 5.0);
+    let (_, q) = solve(&mut film, &LinesKnobs { cuts: Cuts::Links, ..plain() });
+    let strokes = || film.frames.iter().flat_map(|f| &f.strokes);
+    let mut texture = std::collections::BTreeMap::new();
+    for stroke in strokes() {
+        let first = texture.entry(stroke.id).or_insert(stroke.texture());
+        assert_eq!(*first, stroke.texture(), "an id has one texture");
+        assert!(!stroke.closed || stroke.u_period == stroke.repeats, "a loop closes as it repeats");
+    }
+    assert!(q.jumps < 0.02, "{q:?}");
+}

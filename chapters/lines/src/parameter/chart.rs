@@ -240,22 +240,22 @@ pub(crate) fn events(net: &Net, paired: bool, sigma: f64) -> (Vec<Place>, Saved)
     (cuts, saved)
 }
 
-/// How many charts there are: lines that trusted links of some length join.
-pub(crate) fn count(net: &Net, trust: &[f64]) -> usize {
+/// Lines that trusted links of some length join, or an id: for each line the first of those it
+/// belongs to.
+pub(crate) fn components(net: &Net, trust: &[f64], ids: &[u32]) -> Vec<u32> {
     let mut bundles: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     for (link, trust) in net.links.iter().zip(trust) {
         *bundles.entry(link.lines).or_insert(0.0) += trust * link.weight;
     }
     let mut parent: Vec<u32> = (0..net.lines.len() as u32).collect();
-    let mut charts = net.lines.len();
-    for (lines, _) in bundles.into_iter().filter(|(_, weight)| *weight >= PART) {
+    let linked = bundles.into_iter().filter(|(_, weight)| *weight >= PART).map(|(lines, _)| lines);
+    let mut first: BTreeMap<u32, u32> = BTreeMap::new();
+    let named = (0u32..).zip(ids).map(|(l, id)| [*first.entry(*id).or_insert(l), l]);
+    for lines in linked.chain(named) {
         let [a, b] = lines.map(|l| root(&mut parent, l));
-        if a != b {
-            parent[a.max(b) as usize] = a.min(b);
-            charts -= 1;
-        }
+        parent[a.max(b) as usize] = a.min(b);
     }
-    charts
+    (0..parent.len() as u32).map(|l| root(&mut parent, l)).collect()
 }
 
 pub(crate) fn root(parent: &mut [u32], mut x: u32) -> u32 {
@@ -286,4 +286,44 @@ fn borders(tracer: &Tracer<'_>, leave: bool) -> Vec<Place> {
         }
     }
     places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameter::net::Line;
+
+    /// Two lines of 30 pixels that become one, and a line of a third frame that no link reaches.
+    fn merger() -> Net {
+        let line = |frame: u32, first: u32, count: u32| Line {
+            frame,
+            stroke: 0,
+            first,
+            count,
+            closed: false,
+            length: (0..count).map(|k| 3.0 * f64::from(k)).collect(),
+        };
+        let link = |from: u32, line: u32| Link {
+            from,
+            to: [22 + from, 23 + from],
+            share: 0.0,
+            around: false,
+            lines: [line, 2],
+            weight: 3.0,
+        };
+        let lines = vec![line(0, 0, 11), line(0, 11, 11), line(1, 22, 23), line(2, 45, 11)];
+        let links = (0..10).map(|k| link(k, 0)).chain((11..21).map(|k| link(k, 1))).collect();
+        Net { lines, frames: vec![0, 2, 3, 4], links, unknowns: 56 }
+    }
+
+    #[test]
+    fn lines_that_merge_show_one_texture_where_links_are_trusted() {
+        let net = merger();
+        let all = vec![1.0; net.links.len()];
+        assert_eq!(components(&net, &all, &[0, 1, 0, 2]), [0, 0, 0, 3]);
+        let first: Vec<f64> = (0..20).map(|i| if i < 10 { 1.0 } else { 0.0 }).collect();
+        assert_eq!(components(&net, &first, &[0, 1, 0, 2]), [0, 1, 0, 3]);
+        // What came back after it was hidden has its id.
+        assert_eq!(components(&net, &first, &[0, 1, 0, 1]), [0, 1, 0, 1]);
+    }
 }

@@ -120,6 +120,8 @@ pub struct Parameters {
     kept: Kept,
     scale: Vec<f64>,
     period: Vec<Option<f64>>,
+    /// Of each line: whose texture it shows, and the period of that.
+    textures: Vec<(u32, Option<f64>)>,
     saved: Option<Saved>,
 }
 
@@ -149,6 +151,10 @@ impl Parameters {
             }
         }
         name::rename(film, &made.net, &made.kept, &made.scale);
+        let ids: Vec<u32> =
+            film.frames.iter().flat_map(net::strokes).map(|stroke| stroke.id).collect();
+        let components = chart::components(&made.net, &made.kept.trust, &ids);
+        made.textures = textures(&components, &made.period);
         Ok(made)
     }
 
@@ -174,7 +180,7 @@ impl Parameters {
                 robust.agreeing(&net, &energy, &scale, &period)?
             }
         };
-        Ok(Self { net, energy, kept, scale, period, saved: None })
+        Ok(Self { net, energy, kept, scale, period, textures: Vec::new(), saved: None })
     }
 
     /// Solves with some weights and writes u into the strokes of the film it was made from.
@@ -195,13 +201,14 @@ impl Parameters {
                 own.push(self.period[l].map_or(open, |p| own[0] + p));
             }
             stroke.set_u(own, self.scale[l]);
+            (stroke.component, stroke.repeats) = (Some(self.textures[l].0), self.textures[l].1);
         }
         Ok(Solved {
             unknowns: self.net.unknowns,
             links: self.net.links.len(),
             cut: self.kept.cut,
             cut_length: self.kept.cut_length,
-            charts: chart::count(&self.net, &self.kept.trust),
+            charts: self.textures.iter().enumerate().filter(|(l, t)| t.0 as usize == *l).count(),
             lines: self.net.lines.len(),
             mended,
             saved: self.saved,
@@ -266,6 +273,23 @@ fn sizes(film: &Film, net: &Net, knobs: &LinesKnobs) -> (Vec<f64>, Vec<Option<f6
         }
     }
     (scale, period)
+}
+
+/// For each line the component whose texture it shows, and that texture's period: that of most of the
+/// component's closed lines.
+fn textures(components: &[u32], period: &[Option<f64>]) -> Vec<(u32, Option<f64>)> {
+    let mut found: BTreeMap<u32, BTreeMap<u64, usize>> = BTreeMap::new();
+    for (component, period) in components.iter().zip(period) {
+        if let Some(period) = period {
+            *found.entry(*component).or_default().entry(period.to_bits()).or_insert(0) += 1;
+        }
+    }
+    let most = |component: &u32| {
+        let counts = found.get(component)?.iter();
+        counts.max_by_key(|(bits, count)| (**count, **bits)).map(|(bits, _)| f64::from_bits(*bits))
+    };
+    let texture = |(line, component): (usize, &u32)| (*component, period[line].or(most(component)));
+    components.iter().enumerate().map(texture).collect()
 }
 
 /// Closed lines of the film that links join, by the first of them.

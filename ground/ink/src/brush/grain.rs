@@ -5,7 +5,12 @@ use super::knob::{Brush, Grain};
 use super::noise::{Axis, cloud_on};
 use super::texture::Texture;
 
+/// Places in a pixel at which grain is looked at, along and across the stroke: no two in one column
+/// or row.
+const WITHIN: [[f32; 2]; 4] = [[-0.375, -0.125], [-0.125, 0.375], [0.125, -0.375], [0.375, 0.125]];
+
 /// A place on a ribbon.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Pixels along.
     pub(super) u: f64,
@@ -44,8 +49,22 @@ impl Inking<'_> {
         -b.rough * (0.5 + 0.3 * coarse + 0.4 * fine).max(0.0)
     }
 
+    /// The share of the ink that is there in the pixel around a place. Streaks and specks are as fine
+    /// as pixels, so that one look would make stairs of them, which flicker as the stroke moves;
+    /// pictures are read as wide as the pixel already.
+    pub(super) fn over_a_pixel(&self, axis: &Axis, place: &Place) -> f32 {
+        if !matches!(self.brush.grain, Grain::Bristle | Grain::Charcoal | Grain::Pencil) {
+            return self.ink(axis, place);
+        }
+        let look = |[along, across]: [f32; 2]| {
+            let u = place.u + f64::from(along);
+            self.ink(axis, &Place { u, across: place.across + across, ..*place })
+        };
+        0.25 * WITHIN.map(look).iter().sum::<f32>()
+    }
+
     /// The share of the ink that is there.
-    pub(super) fn ink(&self, axis: &Axis, place: &Place) -> f32 {
+    fn ink(&self, axis: &Axis, place: &Place) -> f32 {
         let b = self.brush;
         let size = f64::from(b.grain_size.max(0.05));
         let missing = match b.grain {
@@ -132,6 +151,25 @@ mod tests {
         assert!((at(5.0) - 0.1).abs() < 1e-6 && (at(195.0) - 0.9).abs() < 1e-6);
         assert!((at(100.0) - 0.5).abs() < 1e-6);
         assert_eq!([at(0.0), at(200.0)], [0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_pixel_that_moves_by_a_tenth_changes_little() {
+        let axis = Axis { seed: 3, period: None };
+        let brush = Brush { grain: Grain::Bristle, grain_size: 1.1, ..Brush::default() };
+        let inking = Inking { brush: &brush, texture: None };
+        let at = |across: f32, u: f64| Place { u, length: [0.0, 1.0], across, half: 4.0 };
+        let steps = |ink: &dyn Fn(&Place) -> f32| {
+            let step = |i: u32| {
+                let (across, u) = (0.1 * (i % 70) as f32 - 3.5, 9.0 * f64::from(i / 70));
+                (ink(&at(across + 0.1, u)) - ink(&at(across, u))).abs()
+            };
+            (0..3500).map(step).fold(0.0, f32::max)
+        };
+        let once = steps(&|place| inking.ink(&axis, place));
+        let whole = steps(&|place| inking.over_a_pixel(&axis, place));
+        assert!(once > 0.4, "{once}");
+        assert!(whole < 0.3, "{whole}");
     }
 
     #[test]

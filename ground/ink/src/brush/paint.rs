@@ -221,7 +221,7 @@ impl Tile {
             let tear = if torn { inking.tear(&strip.axis, hit.u, hit.across > 0.0) } else { 0.0 };
             let mut cover = hit.cover(tear.max(-0.8 * hit.half));
             if cover > self.cover[i] && !even {
-                cover *= inking.ink(&strip.axis, &place(&hit, strip));
+                cover *= inking.over_a_pixel(&strip.axis, &place(&hit, strip));
             }
             if cover > self.cover[i] {
                 (self.cover[i], self.depth[i]) = (cover, hit.depth);

@@ -128,7 +128,9 @@ fn curve(found: &Film, spacing: &[f64], run: &Run) -> Result<(Vec<(f32, Quality)
 fn place(q: &Quality) -> [f32; 2] {
     let log = |x: f64| (x / SLIDES[0]).ln() / (SLIDES[1] / SLIDES[0]).ln();
     let (w, h) = (PLOT.0 as f64 - 50.0, PLOT.1 as f64 - 40.0);
-    let x = 30.0 + w * (q.stretch_p95 / WIDEST).clamp(0.0, 1.0);
+    // A pattern that runs backwards on more than a hundredth of its lines has no stretch to speak of.
+    let stretch = if q.folded > 0.01 { WIDEST } else { q.stretch_p95 };
+    let x = 30.0 + w * (stretch / WIDEST).clamp(0.0, 1.0);
     let y = 20.0 + h * (1.0 - log(q.slide_p95.max(SLIDES[0])).clamp(0.0, 1.0));
     [x as f32, y as f32]
 }

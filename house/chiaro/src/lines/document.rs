@@ -102,6 +102,7 @@ fn stroke(text: &mut String, s: &Stroke, brush: usize) {
     join(text, s.u.iter().take(s.samples.len()), |t, u| parameter(t, *u));
     text.push_str("],\"pixels_per_u\":");
     float(text, s.pixels_per_u);
+    let _ = write!(text, ",\"component\":{}", s.texture());
     text.push_str(",\"u_period\":");
     option(text, s.u_period, parameter);
     text.push_str(",\"next\":[");

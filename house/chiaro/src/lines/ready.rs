@@ -151,7 +151,10 @@ fn spine(stroke: &Stroke, view: &View, scale: f64) -> Spine {
         let around = period.or_else(|| Some(stroke.u.last()? * scale - first.u)).unwrap_or(0.0);
         knots.push(Knot { u: first.u + around, ..first });
     }
-    let axis = Axis { seed: u64::from(stroke.id), period: period.filter(|_| stroke.closed) };
+    // A part of a loop has the loop's noise and marks.
+    let repeats = stroke.repeats.map(|p| p * scale).filter(|p| *p > 0.0);
+    let period = if stroke.closed { period } else { repeats };
+    let axis = Axis { seed: u64::from(stroke.texture()), period };
     Spine::new(knots, stroke.closed, axis)
 }
 
@@ -176,6 +179,8 @@ mod tests {
             u: Vec::new(),
             u_period: None,
             pixels_per_u: 20.0 * grown,
+            component: None,
+            repeats: None,
         };
         let at = |grown: f64| scales(&stroke(grown), &brush, &knobs);
         assert_eq!(at(1.0), [(20.0, 1.0)]);
