@@ -4,6 +4,9 @@
 //! (bumpy-torus, peanut, head, and so on), `--degrees 6` how fast scenes that stand still are turned, `--frames N`
 //! the length, `--set key=value` any knob, `--coherence` a row for each of its values, `--live` the
 //! frames a second of the interactive variant (row L8) instead.
+//!
+//! The thesis's timing, 20 000 vertices over 100 frames in 5 s, is `bumpy-torus --frames 100`: 0.41 s on
+//! two cores, links and cuts included.
 
 #![allow(clippy::print_stdout)]
 #![allow(unsafe_code, reason = "an allocator that counts can only be written so")]
