@@ -28,6 +28,17 @@ choice! {
 }
 
 choice! {
+    /// How surfels are spread.
+    pub enum Sampling {
+        /// Evenly along the sum of the triangles' areas.
+        #[default]
+        Sequence = "sequence",
+        /// At a least distance from each other.
+        Poisson = "poisson",
+    }
+}
+
+choice! {
     /// Whether a sky is added to a scene that has none.
     pub enum OwnSky {
         /// A clear one, outdoors, where a sun is the only light.
@@ -42,6 +53,7 @@ knobs! {
     /// How a scene is lit.
     pub struct LightKnobs {
         surfels: u32 = 100000, Count { min: 16, max: 4000000000 }, "N (6.3.2)", "", "surfels that stand for the scene's surfaces";
+        sampling: Sampling = Sampling::Sequence, Choice(Sampling::WORDS), "6.3.2", "", "sequence: surfels spread evenly by area; poisson: at a least distance from each other (slower)";
         tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some ten bytes a surfel, any number of surfels";
         clusters: u32 = 0, Count { min: 0, max: 65536 }, "l (6.5.1)", "words", "a compact tree whose lobes are one word each of a table of so many; 0: the default code";
         max_error: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "6.7", "share", "a compact tree by the smallest book whose error of nodes it has not seen is at most this; 0: the default code";

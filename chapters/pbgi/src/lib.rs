@@ -8,7 +8,7 @@
 //! GBuffer + Tree --tile (shared) | pixel (each by itself)--> irradiance of every pixel
 //! ```
 //!
-//! 1. [`sites`] spreads surfels evenly over all triangles ([`site`]).
+//! 1. [`sites`] spreads surfels evenly over all triangles ([`site`]), or [`poisson_sites`] at a least distance.
 //! 2. [`Surfels::light`] lights both sides of each and finds the dead ones: backs of walls, insides
 //!    of closed bodies ([`surfel`], [`side`]).
 //! 3. [`bounce`](bounce::bounce) lets surfels light each other, any number of times.
@@ -51,6 +51,7 @@ pub mod near;
 pub mod packed;
 pub mod payload;
 pub mod pixel;
+mod poisson;
 mod pool;
 mod receiver;
 mod recipe;
@@ -67,9 +68,10 @@ pub mod wide;
 pub use coverage::coverage;
 pub use hierarchy::Hierarchy;
 pub use indirect::{Indirect, Points, Prepared, indirect, prepare};
-pub use knob::{LightKnobs, OwnSky, Storage, Teaching};
+pub use knob::{LightKnobs, OwnSky, Sampling, Storage, Teaching};
 pub use payload::{Exact, Payload};
-pub use site::{Site, sites};
+pub use poisson::poisson_sites;
+pub use site::{Site, sites, sites_by};
 pub use spread::Spread;
 pub use surfel::{Lit, Surfel, Surfels};
 pub use tree::{Node, Tree};

@@ -3,7 +3,7 @@
 //! The same sites as [`sites`](crate::sites), which are evenly spaced along the running sum of the
 //! triangles' areas; kept is a triangle's first number, 16 bytes a triangle that has any.
 
-use crate::site::{self, Site};
+use crate::site::{self, Piece, Site};
 use chiaro_basis::random;
 use chiaro_scene::{Frame, Scene};
 
@@ -29,19 +29,19 @@ struct Triangle {
 impl Spread {
     /// About `count` sites, evenly over the area of everything drawn.
     pub fn of(scene: &Scene, frame: &Frame, count: u64) -> Self {
-        let total: f64 = site::areas(scene, frame).map(|(_, _, a)| a).sum();
+        let total: f64 = site::areas(scene, frame).map(|p| p.area).sum();
         if !(total > 0.0 && total.is_finite()) || count == 0 {
             return Self::default();
         }
         let spacing = total / count as f64;
         let mut all = Self { area: total, ..Self::default() };
         let mut before = 0.0;
-        for (object, face, area) in site::areas(scene, frame) {
+        for Piece { object, face, area, triangle } in site::areas(scene, frame) {
             let first = all.count;
             before += area;
             all.count = ((before / spacing + 0.5).floor() as u64).min(count);
             if all.count > first {
-                let share = (spacing / area) as f32;
+                let share = (spacing / triangle) as f32;
                 all.triangles.push(Triangle { object, face, first, share });
             }
         }

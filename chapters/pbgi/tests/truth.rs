@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use chiaro_basis::Run;
+use chiaro_basis::math::{Vec3, vec3};
+use chiaro_basis::{Run, random};
 use chiaro_image::metric;
 use chiaro_pbgi::{LightKnobs, Lit, indirect, prepare, sites};
-use chiaro_scene::{Poser, Scene, demo};
+use chiaro_scene::load::{Budget, Door, Up, read_scene};
+use chiaro_scene::{Pose, Poser, Projection, Scene, demo};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
-use chiaro_trace::{GBuffer, Glow, Lights, Surfaces, Tracer};
+use chiaro_trace::{GBuffer, Glow, Lamp, Lights, Surfaces, Tracer, direct_irradiance};
 
 /// Something done in the Cornell box, lit by its lamp.
 fn in_the_box<T>(act: impl FnOnce(&Scene, Lit, &Run) -> T) -> T {
@@ -108,4 +110,66 @@ fn a_frame_has_the_same_bits_again_and_on_any_number_of_threads() {
         assert_eq!(once, on(3));
         assert!(once.pixels().iter().flatten().all(|e| e.is_finite() && *e >= 0.0));
     })
+}
+
+/// A floor and a wall as a cloud of points in a PLY file, their normals left out.
+fn corner_of_points() -> Scene {
+    let count = 12_000u64;
+    let mut file = format!(
+        "ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
+         property float z\nend_header\n"
+    );
+    for i in 0..count {
+        let [u, v] = [random::unit(7, i), random::unit(8, i)].map(|t| 2.0 * t);
+        let [x, y, z] = if i % 2 == 0 { [u, 0.0, v] } else { [0.0, u, v] };
+        file += &format!("{x} {y} {z}\n");
+    }
+    let mut door = Door::new("corner.ply", &(), Budget::default());
+    read_scene("corner.ply", file.as_bytes(), Up::Y, &mut door).unwrap()
+}
+
+#[test]
+fn a_cloud_of_points_is_lit_like_the_surface_it_was_taken_from() {
+    let scene = corner_of_points();
+    let (playback, _) = scene.playback(&Default::default()).unwrap();
+    let frame = Poser::new(&scene).frame(0.0, &playback);
+    let tracer = Tracer::new(&scene, &frame);
+    let surfaces = Surfaces::new(&scene);
+    let sun = Lamp::sun(vec3(-1.0, -1.0, 0.0));
+    let lights = Lights { lamps: vec![sun], ..Lights::default() };
+    let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
+    let run = Run::default();
+    let eye = Projection::Perspective { fov_y: 0.6 };
+    let pose = Pose::look_at(vec3(5.0, 4.0, 1.0), vec3(0.5, 0.5, 1.0), Vec3::Y, eye);
+    let buffer = GBuffer::trace(&tracer, &surfaces, &pose, (48, 48), &run).unwrap();
+
+    // Both planes meet the sun at 45 degrees, and nothing is in its way.
+    let direct = direct_irradiance(&tracer, &buffer, &lights, &run).unwrap();
+    let covered = || buffer.covered.pixels().iter().zip(direct.hard.pixels()).filter(|(c, _)| **c);
+    let right = covered().filter(|(_, e)| (e[0] - 0.5f32.sqrt()).abs() < 0.08).count();
+    assert!(right * 100 >= 95 * covered().count(), "{right} of {}", covered().count());
+
+    let knobs = LightKnobs { surfels: 12_000, bounces: 1, ..LightKnobs::default() };
+    let places = sites(&scene, &frame, 12_000);
+    let prepared = prepare(lit, &places, &knobs, &run).unwrap();
+    let area: f32 = prepared.surfels.all.iter().map(|s| s.area).sum();
+    assert!((area / 8.0 - 1.0).abs() < 0.1, "{area}");
+    // The light that the floor gets from the wall: the form factor of a point before it, in closed form.
+    let found = indirect(&prepared, &buffer, &run).unwrap();
+    let (mut own, mut exact) = (0.0, 0.0);
+    for (i, p) in buffer.position.pixels().iter().enumerate() {
+        let [x, y, z] = *p;
+        if buffer.covered.pixels()[i] && y.abs() < 0.02 && x > 0.2 {
+            own += found.irradiance.pixels()[i][0];
+            exact += 0.6 * 0.5f32.sqrt() * (beside(x, 2.0, z) + beside(x, 2.0, 2.0 - z));
+        }
+    }
+    assert!((own / exact - 1.0).abs() < 0.08, "{own} {exact}");
+}
+
+/// The form factor from a point on a floor to an upright rectangle at distance `x`, `h` high, `w`
+/// wide, whose lower corner is the nearest point.
+fn beside(x: f32, h: f32, w: f32) -> f32 {
+    let slant = (x * x + h * h).sqrt();
+    ((w / x).atan() - x / slant * (w / slant).atan()) / std::f32::consts::TAU
 }

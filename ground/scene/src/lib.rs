@@ -11,6 +11,7 @@
 //! Space is right-handed with y up, in scene units; time is in seconds; colours are linear RGB.
 
 mod camera;
+mod cloud;
 pub mod demo;
 mod frame;
 mod light;

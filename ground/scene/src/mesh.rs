@@ -29,6 +29,9 @@ pub struct Mesh {
     pub materials: Vec<MaterialId>,
     /// The polygon that each triangle is a part of (quads, n-gons), or empty: each its own.
     pub polygons: Vec<u32>,
+    /// Of a cloud of points, whose triangles come four to a disc: how much surface each disc stands
+    /// for, over the area of the first of its triangles, which holds its point. Empty for surfaces.
+    pub discs: Vec<f32>,
     /// Makes the mesh anew at every time, where even its connectivity changes.
     pub remake: Option<Remake>,
 }
@@ -80,6 +83,14 @@ impl std::fmt::Debug for Remake {
 }
 
 impl Mesh {
+    /// Triangles of a cloud's disc.
+    pub const DISC: usize = crate::cloud::FACES;
+
+    /// Whether it is a cloud of points, each a disc.
+    pub fn is_cloud(&self) -> bool {
+        !self.discs.is_empty()
+    }
+
     /// Makes the vertices those with the indices in `take`, with all their attributes, normals of
     /// the file included; triangles stay as they are.
     pub(crate) fn pick(&mut self, take: &[u32]) {

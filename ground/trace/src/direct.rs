@@ -1,17 +1,21 @@
 //! Direct light at the pixels of a buffer, free of noise.
 //!
-//! 1. Lamps without size are visited one by one. What shines and the sky stand as a fixed set of
-//!    small lamps, the same for every pixel.
-//! 2. The small lamps are dealt to the 16 pixels of a 4 x 4 tile, a sixteenth to each; then every
-//!    pixel takes the mean of the 4 x 4 window around it, which holds the whole set once.
-//! 3. Where the window does not lie on one smooth surface, the pixel visits the set by itself.
+//! 1. Lamps without size are visited one by one. What shines and the sky stand as fixed sets of
+//!    small lamps, the same for every pixel; what shines near a pixel is parted further, into pieces.
+//! 2. Small lamps, and the pieces of each, are dealt to the 16 pixels of a 4 x 4 tile, the sky's to the 64
+//!    of an 8 x 8 one; then every pixel takes the mean of the window of that size around it,
+//!    which holds the whole set once.
+//! 3. Where the window does not lie on one smooth surface, the pixel visits the set by itself. The sky's
+//!    may stand a little aside, and is the smaller one, with a quarter of the set, where a surface bends.
 //!
 //! Guaranteed: deterministic, and smooth on smooth surfaces. Not guaranteed: shadows of small lamps
 //! a few pixels wide are softened by the window.
 
 use crate::gbuffer::GBuffer;
+use crate::glow::Cluster;
 use crate::light::Lamp;
 use crate::lights::{Lights, lamp_at};
+use crate::sky::Sky;
 use crate::tracer::Tracer;
 use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
@@ -22,37 +26,86 @@ use chiaro_image::colour::luminance;
 /// Pixels along a tile's side, and in a tile.
 const TILE: usize = 4;
 const DEAL: usize = TILE * TILE;
+/// The same of the sky's larger tiles.
+const SKY_TILE: usize = 2 * TILE;
+const SKY_DEAL: usize = SKY_TILE * SKY_TILE;
 /// Small lamps for what shines, and for the sky: so many for each pixel of a tile.
 const GLOW_SHARE: usize = 4;
 const SKY_SHARE: usize = 8;
-/// A pixel by itself visits every so many of the small lamps.
+/// A pixel by itself visits every so many of the small lamps, and of the sky's.
 const ALONE: usize = 2;
+const SKY_ALONE: usize = 4;
+/// The least cosine between normals of a window: of a flat one, and of one that is merely bent.
+const FLAT: f32 = 0.97;
+const BENT: f32 = 0.75;
+/// Directions found more densely than this, per steradian, are a sun's: their shadows have edges,
+/// which the small tiles keep.
+const SUN: f32 = 200.0;
+/// Small lamps of suns at most.
+const SUN_LAMPS: usize = 64;
+
+type Pixel = (usize, usize);
 
 /// The fixed lamps of a frame.
 struct Fixed {
     hard: Vec<Lamp>,
-    soft: Vec<Lamp>,
+    glow: Vec<Cluster>,
+    suns: Vec<Lamp>,
+    sky: Vec<Lamp>,
 }
 
 impl Fixed {
     fn of(lights: &Lights) -> Self {
-        let mut soft = lights.glow.lamps(DEAL * GLOW_SHARE);
-        // The sky's few brightest texels may hold most of its light: a low-discrepancy set finds
-        // them in proportion.
-        if let Some(sky) = &lights.sky {
-            let count = DEAL * SKY_SHARE;
-            soft.extend((0..count).filter_map(|i| {
-                let s = sky.sample(random::r2(i as u64))?;
-                let y = luminance(s.radiance);
-                Some(Lamp {
-                    strength: y / s.density / count as f32,
-                    colour: s.radiance.map(|c| c / y),
-                    ..Lamp::sun(-s.towards)
-                })
-            }));
-        }
-        Self { hard: lights.lamps.clone(), soft }
+        let glow = lights.glow.clusters(DEAL * GLOW_SHARE);
+        let (suns, sky) = lights.sky.as_deref().map(sky_lamps).unwrap_or_default();
+        Self { hard: lights.lamps.clone(), glow, suns, sky }
     }
+
+    /// From what shines and from suns, by the share of them that falls to a pixel of a tile.
+    fn dealt(&self, tracer: &Tracer, at: &Vertex, place: usize) -> [f32; 3] {
+        let far = self.glow.iter().skip(place).step_by(DEAL);
+        let far = far.map(|c| (c.lamp, 1.0 - c.nearness(at.position)));
+        let near = self.glow.iter().flat_map(|c| {
+            let share = c.nearness(at.position);
+            let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };
+            pieces.iter().skip(place).step_by(DEAL).map(move |l| (*l, share))
+        });
+        let suns = self.suns.iter().skip(place).step_by(DEAL).map(|l| (*l, 1.0));
+        sum(tracer, at, far.chain(near).chain(suns)).map(|e| e * DEAL as f32)
+    }
+
+    /// The same by a pixel that stands alone.
+    fn alone(&self, tracer: &Tracer, at: &Vertex) -> [f32; 3] {
+        let many = ALONE as f32;
+        let far = self.glow.iter().step_by(ALONE);
+        let far = far.map(|c| (c.lamp, many * (1.0 - c.nearness(at.position))));
+        let near = self.glow.iter().flat_map(|c| {
+            let share = c.nearness(at.position);
+            let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };
+            pieces.iter().step_by(ALONE).map(move |l| (*l, many * share))
+        });
+        let suns = self.suns.iter().step_by(ALONE).map(|l| (*l, many));
+        sum(tracer, at, far.chain(near).chain(suns))
+    }
+}
+
+/// Small lamps in the place of a sky: those of its suns, and the others. The sky's few brightest
+/// texels may hold most of its light: a low-discrepancy set finds them in proportion.
+fn sky_lamps(sky: &Sky) -> (Vec<Lamp>, Vec<Lamp>) {
+    let count = SKY_DEAL * SKY_SHARE;
+    let (mut suns, mut others) = (Vec::new(), Vec::new());
+    for s in (0..count).filter_map(|i| sky.sample(random::r2(i as u64))) {
+        let y = luminance(s.radiance);
+        let strength = y / s.density / count as f32;
+        let lamp = Lamp { strength, colour: s.radiance.map(|c| c / y), ..Lamp::sun(-s.towards) };
+        if s.density > SUN { suns.push(lamp) } else { others.push(lamp) }
+    }
+    let step = suns.len().div_ceil(SUN_LAMPS).max(1);
+    let all: f32 = suns.iter().map(|l| l.strength).sum();
+    let mut kept: Vec<Lamp> = suns.into_iter().step_by(step).collect();
+    let some: f32 = kept.iter().map(|l| l.strength).sum();
+    kept.iter_mut().for_each(|l| l.strength *= all / some);
+    (kept, others)
 }
 
 /// Irradiance by direct light at each covered pixel, linear RGB.
@@ -82,30 +135,48 @@ pub fn direct_irradiance(
     let fixed = Fixed::of(lights);
     let raw = buffer.over_covered(|x, y| {
         if run.check().is_err() {
-            return ([0.0; 3], [0.0; 3]);
+            return Raw::default();
         }
         let at = Vertex::of_pixel(tracer, buffer, (x, y));
-        let hard = sum(tracer, &at, fixed.hard.iter());
-        let own = fixed.soft.iter().skip(place(x, y)).step_by(DEAL);
-        (hard, sum(tracer, &at, own).map(|e| e * DEAL as f32))
+        let own = fixed.sky.iter().skip(sky_place(x, y)).step_by(SKY_DEAL);
+        Raw {
+            hard: lamp_irradiance(tracer, &at, &fixed.hard),
+            soft: fixed.dealt(tracer, &at, place(x, y)),
+            sky: sum(tracer, &at, own.map(|l| (*l, SKY_DEAL as f32))),
+        }
     });
     run.check()?;
     let soft = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return [0.0; 3];
         }
-        match window(buffer, &raw, (x, y)) {
-            _ if fixed.soft.is_empty() => [0.0; 3],
-            Some(mean) => mean,
-            None => {
-                let at = Vertex::of_pixel(tracer, buffer, (x, y));
-                let some = fixed.soft.iter().step_by(ALONE);
-                sum(tracer, &at, some).map(|e| e * ALONE as f32)
-            }
+        let small = window(buffer, (x, y), [0; 2], TILE, FLAT);
+        let soft = match &small {
+            Some(pixels) => mean(pixels, |at| raw[at].soft),
+            None => fixed.alone(tracer, &Vertex::of_pixel(tracer, buffer, (x, y))),
+        };
+        if fixed.sky.is_empty() {
+            return soft;
         }
+        let sky = match sky_window(buffer, (x, y)).or_else(|| bent(buffer, (x, y), small)) {
+            Some(pixels) => mean(&pixels, |at| raw[at].sky),
+            None => {
+                let some = fixed.sky.iter().step_by(SKY_ALONE).map(|l| (*l, SKY_ALONE as f32));
+                sum(tracer, &Vertex::of_pixel(tracer, buffer, (x, y)), some)
+            }
+        };
+        std::array::from_fn(|i| soft[i] + sky[i])
     });
     run.check()?;
-    Ok(Direct { hard: raw.map(|r| r.0), soft })
+    Ok(Direct { hard: raw.map(|r| r.hard), soft })
+}
+
+/// What a pixel finds by its share of the lamps.
+#[derive(Clone, Copy, Default)]
+struct Raw {
+    hard: [f32; 3],
+    soft: [f32; 3],
+    sky: [f32; 3],
 }
 
 /// Each pixel's place in the deal, far from its neighbours'.
@@ -114,42 +185,75 @@ fn place(x: usize, y: usize) -> usize {
     ORDER[(y % TILE) * TILE + x % TILE]
 }
 
+/// The same in the sky's tiles: the tiles of 4 x 4 in one of them have the lamps in turn.
+fn sky_place(x: usize, y: usize) -> usize {
+    const TURN: [usize; 4] = [0, 2, 3, 1];
+    4 * place(x, y) + TURN[(y / TILE % 2) * 2 + x / TILE % 2]
+}
+
 /// Irradiance at a vertex from lamps, each with a shadow ray.
 pub fn lamp_irradiance(tracer: &Tracer, at: &Vertex, lamps: &[Lamp]) -> [f32; 3] {
-    sum(tracer, at, lamps.iter())
+    sum(tracer, at, lamps.iter().map(|l| (*l, 1.0)))
 }
 
-fn sum<'a>(tracer: &Tracer, at: &Vertex, lamps: impl Iterator<Item = &'a Lamp>) -> [f32; 3] {
+fn sum(tracer: &Tracer, at: &Vertex, lamps: impl Iterator<Item = (Lamp, f32)>) -> [f32; 3] {
     lamps
-        .filter_map(|l| lamp_at(l, at))
-        .filter(|(_, ray)| !tracer.occluded(ray))
-        .fold([0.0; 3], |s, (e, _)| std::array::from_fn(|i| s[i] + e[i]))
+        .filter(|(_, share)| *share > 0.0)
+        .filter_map(|(l, share)| lamp_at(&l, at).map(|(e, ray)| (e, share, ray)))
+        .filter(|(_, _, ray)| !tracer.occluded(ray))
+        .fold([0.0; 3], |s, (e, share, _)| std::array::from_fn(|i| s[i] + share * e[i]))
 }
 
-/// The mean over the window, if all of it lies on the pixel's smooth surface.
+fn mean(pixels: &[Pixel], of: impl Fn(Pixel) -> [f32; 3]) -> [f32; 3] {
+    let sum = pixels.iter().fold([0.0; 3], |s: [f32; 3], &at| {
+        let e = of(at);
+        std::array::from_fn(|i| s[i] + e[i])
+    });
+    sum.map(|s| s / pixels.len() as f32)
+}
+
+/// The window of the sky: around the pixel, or where that does not lie on its surface, a little aside.
+fn sky_window(buffer: &GBuffer, at: Pixel) -> Option<Vec<Pixel>> {
+    const ASIDE: [[isize; 2]; 9] =
+        [[0, 0], [2, 0], [-2, 0], [0, 2], [0, -2], [2, 2], [-2, -2], [2, -2], [-2, 2]];
+    ASIDE.into_iter().find_map(|by| window(buffer, at, by, SKY_TILE, FLAT))
+}
+
+/// The small window, if the surface around it is merely too bent for the large one.
+fn bent(buffer: &GBuffer, at: Pixel, small: Option<Vec<Pixel>>) -> Option<Vec<Pixel>> {
+    small.filter(|_| window(buffer, at, [0; 2], SKY_TILE, BENT).is_some())
+}
+
+/// The pixels of the window of `side` x `side` around a pixel, moved by some, if all of it lies on the
+/// pixel's surface and that is flat within the cosine of an angle.
 fn window(
     buffer: &GBuffer,
-    raw: &Plane<([f32; 3], [f32; 3])>,
-    (x, y): (usize, usize),
-) -> Option<[f32; 3]> {
+    (x, y): Pixel,
+    [right, down]: [isize; 2],
+    side: usize,
+    flat: f32,
+) -> Option<Vec<Pixel>> {
     let (_, height) = buffer.size();
     let normal = Vec3::from(buffer.normal[(x, y)]);
     let position = Vec3::from(buffer.position[(x, y)]);
-    let tolerance = 2.0 * buffer.pose.pixel_size(buffer.depth[(x, y)], height as f32);
-    let mut sum = [0.0; 3];
-    for dy in -2..2isize {
-        for dx in -2..2isize {
+    let half = side as isize / 2;
+    let width = buffer.pose.pixel_size(buffer.depth[(x, y)], height as f32);
+    // What bends by an angle leaves the plane by as much.
+    let tolerance = half as f32 * width * ((1.0 - flat) / (1.0 - FLAT)).sqrt();
+    let mut pixels = Vec::with_capacity(side * side);
+    for dy in -half + down..half + down {
+        for dx in -half + right..half + right {
             let (u, v) = (x as isize + dx, y as isize + dy);
             if buffer.covered.at(u, v) != Some(&true) {
                 return None;
             }
             let at = (u as usize, v as usize);
             let off_plane = (Vec3::from(buffer.position[at]) - position).dot(normal).abs();
-            if off_plane > tolerance || Vec3::from(buffer.normal[at]).dot(normal) < 0.97 {
+            if off_plane > tolerance || Vec3::from(buffer.normal[at]).dot(normal) < flat {
                 return None;
             }
-            (0..3).for_each(|i| sum[i] += raw[at].1[i]);
+            pixels.push(at);
         }
     }
-    Some(sum.map(|s| s / DEAL as f32))
+    Some(pixels)
 }

@@ -4,8 +4,8 @@
 //!    averaged by their mip maps; triangles without area, and those that are black, are left out.
 //! 2. Points are drawn on them with a density proportional to power: a cumulative distribution over
 //!    the triangles, low-discrepancy points inside.
-//! 3. For noise-free light the points are gathered into a few clusters ([`Glow::lamps`]), each a
-//!    small lamp with a cosine: the same points whatever the pixel.
+//! 3. For noise-free light the points are gathered into a few clusters ([`Glow::clusters`]), each a
+//!    small lamp with a cosine, and near by a few pieces: the same points whatever the pixel.
 //!
 //! Single-sided materials shine from their front alone, double-sided ones from both sides.
 
@@ -59,6 +59,29 @@ pub struct GlowPoint {
     pub b: [f32; 2],
     /// Probability density per area, 1 / scene units squared.
     pub density: f32,
+}
+
+/// Pieces of a cluster.
+const PIECES: usize = 32;
+
+/// A part of what shines: from afar a small lamp, near by its pieces.
+#[derive(Clone, Debug)]
+pub struct Cluster {
+    /// The whole as one lamp.
+    pub lamp: Lamp,
+    /// Root mean square distance of its points from the lamp, scene units.
+    pub radius: f32,
+    /// The whole as many lamps.
+    pub pieces: Vec<Lamp>,
+}
+
+impl Cluster {
+    /// How much of its light comes from the pieces at a point: all within two radii, nothing beyond
+    /// four, where they make no difference.
+    pub fn nearness(&self, point: Vec3) -> f32 {
+        let d = (self.lamp.position - point).length();
+        (2.0 - d / (2.0 * self.radius).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
+    }
 }
 
 impl Glow {
@@ -132,6 +155,11 @@ impl Glow {
 
     /// At most `count` small lamps in the place of the whole, spread over it by power.
     pub fn lamps(&self, count: usize) -> Vec<Lamp> {
+        self.clusters(count).into_iter().map(|c| c.lamp).collect()
+    }
+
+    /// The same lamps with their pieces.
+    pub fn clusters(&self, count: usize) -> Vec<Cluster> {
         const CANDIDATES: usize = 2048;
         if count == 0 || self.is_empty() {
             return Vec::new();
@@ -146,8 +174,17 @@ impl Glow {
         clusters(&points.iter().map(|p| p.position).collect::<Vec<_>>(), count)
             .into_iter()
             .filter(|members| !members.is_empty())
-            .map(|members| self.lamp(&points, &members, share))
+            .map(|members| self.cluster(&points, &members, share))
             .collect()
+    }
+
+    fn cluster(&self, points: &[GlowPoint], members: &[usize], share: f32) -> Cluster {
+        let lamp = self.lamp(points, members, share);
+        let square = |i: &usize| (points[*i].position - lamp.position).length_squared();
+        let radius = (members.iter().map(square).sum::<f32>() / members.len() as f32).sqrt();
+        let part = share * members.len() as f32 / PIECES as f32;
+        let piece = |i: usize| self.lamp(points, &[members[i * members.len() / PIECES]], part);
+        Cluster { lamp, radius, pieces: (0..PIECES).map(piece).collect() }
     }
 
     /// One lamp for a cluster of points: at the member nearest to their mean, with its triangle's
@@ -285,6 +322,29 @@ mod tests {
                 .sum();
             let exact = 5.0 * std::f32::consts::PI * form_factor(h);
             assert!((sum / exact - 1.0).abs() < 0.05, "{h}: {sum} {exact}");
+        }
+    }
+
+    #[test]
+    fn pieces_give_it_near_by() {
+        let clusters = square(5.0).clusters(16);
+        for h in [0.1, 0.2, 0.7] {
+            let exact = 5.0 * std::f32::consts::PI * form_factor(h);
+            let sum: f32 = (0..16)
+                .map(|i| {
+                    let [u, v] = random::r2(i);
+                    let below = vec3(0.8 + 0.4 * u, -h, 0.8 + 0.4 * v);
+                    let light =
+                        |l: &Lamp| l.arrival(below).map_or(0.0, |a| a.strength * a.towards.y);
+                    let of = |c: &Cluster| {
+                        let near = c.nearness(below);
+                        let pieces: f32 = c.pieces.iter().map(light).sum();
+                        near * pieces + (1.0 - near) * light(&c.lamp)
+                    };
+                    clusters.iter().map(of).sum::<f32>() / 16.0
+                })
+                .sum();
+            assert!((sum / exact - 1.0).abs() < 0.1, "{h}: {sum} {exact}");
         }
     }
 

@@ -11,6 +11,7 @@ use crate::surface::Surfaces;
 use crate::tracer::{Hit, Ray, Tracer};
 use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
+use chiaro_basis::random;
 use chiaro_image::colour::luminance;
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
@@ -40,10 +41,20 @@ pub struct LightNumbers {
 /// Lamps up to this number are all visited; of more, one is chosen.
 const ALL_LAMPS: usize = 4;
 
+/// Shining triangles up to this number are one lamp; of more, one of several points is chosen.
+const FEW: usize = 16;
+const OFFERS: usize = 8;
+
 /// Unshadowed irradiance and the ray that must be free for it.
 struct Candidate {
     irradiance: [f32; 3],
     ray: Ray,
+}
+
+impl Candidate {
+    fn times(self, weight: f32) -> Self {
+        Self { irradiance: self.irradiance.map(|e| e * weight), ..self }
+    }
 }
 
 impl Lights {
@@ -79,7 +90,8 @@ impl Lights {
             let weight = chosen.weight();
             add(chosen.kept, weight);
         }
-        add(self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
+        let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, shared);
+        add(glow, weight);
         add(self.sky_candidate(at, numbers.sky, shared), 1.0);
         sum
     }
@@ -92,7 +104,8 @@ impl Lights {
         at: &Vertex,
         numbers: &LightNumbers,
     ) -> [f32; 3] {
-        let glow = self.glow_candidate(tracer, surfaces, at, numbers.glow, false);
+        let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, false);
+        let glow = glow.map(|c| c.times(weight));
         let sky = self.sky_candidate(at, numbers.sky, false);
         let seen = glow.into_iter().chain(sky).filter(|c| !tracer.occluded(&c.ray));
         seen.fold([0.0; 3], |s, c| std::array::from_fn(|i| s[i] + c.irradiance[i]))
@@ -108,7 +121,8 @@ impl Lights {
     ) -> [f32; 3] {
         let mut chosen = Reservoir::new(numbers.choice);
         self.lamps.iter().filter_map(|l| from_lamp(l, at)).for_each(|c| chosen.offer(c));
-        let glow = self.glow_candidate(tracer, surfaces, at, numbers.glow, false);
+        let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, false);
+        let glow = glow.map(|c| c.times(weight));
         let sky = self.sky_candidate(at, numbers.sky, false);
         glow.into_iter().chain(sky).for_each(|c| chosen.offer(c));
         let weight = chosen.weight();
@@ -116,6 +130,33 @@ impl Lights {
             Some(c) if !tracer.occluded(&c.ray) => c.irradiance.map(|e| e * weight),
             _ => [0.0; 3],
         }
+    }
+
+    /// A point of what shines, and the weight of its light. Where much shines apart, the point is one of
+    /// several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
+    /// without, the lamps of a room are rarely found among those of others.
+    fn glow_choice(
+        &self,
+        tracer: &Tracer,
+        surfaces: &Surfaces,
+        at: &Vertex,
+        numbers: &LightNumbers,
+        shared: bool,
+    ) -> (Option<Candidate>, f32) {
+        if self.glow.triangles().len() <= FEW {
+            return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
+        }
+        let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
+        let [choice, u, v] = numbers.glow;
+        for i in 0..OFFERS {
+            let part = (choice + i as f32 / OFFERS as f32).fract();
+            let [du, dv] = random::r2(i as u64);
+            let point = [part, (u + du).fract(), (v + dv).fract()];
+            let offer = self.glow_candidate(tracer, surfaces, at, point, shared);
+            offer.into_iter().for_each(|c| chosen.offer(c));
+        }
+        let weight = chosen.weight() / OFFERS as f32;
+        (chosen.kept, weight)
     }
 
     fn glow_candidate(

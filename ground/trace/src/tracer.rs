@@ -73,7 +73,7 @@ impl<'a> Tracer<'a> {
     /// Rays into a frame over which the hierarchy stands already.
     pub fn with(scene: &'a Scene, frame: &'a Frame, hierarchy: Arc<Hierarchy>) -> Self {
         let surfaces = scene.materials.iter().map(SurfaceKind::of).collect();
-        let offset = 1e-4 * frame.bounds().radius();
+        let offset = (1e-4 * frame.bounds().radius()).max(disc_offset(scene, frame));
         Self { scene, frame, hierarchy, surfaces, offset }
     }
 
@@ -88,7 +88,8 @@ impl<'a> Tracer<'a> {
         &self.hierarchy
     }
 
-    /// How far off a surface rays start, scene units: a ten-thousandth of the scene's radius.
+    /// How far off a surface rays start, scene units: a ten-thousandth of the scene's radius, more
+    /// where points are drawn as discs.
     pub fn offset(&self) -> f32 {
         self.offset
     }
@@ -240,6 +241,29 @@ impl<'a> Tracer<'a> {
     pub fn mesh(&self, hit: &Hit) -> &'a Mesh {
         self.frame.shapes[self.object(hit).shape].mesh_in(self.scene)
     }
+}
+
+/// Rays leave a cloud's discs by some of their radius, since those of neighbours overlap; 0 where
+/// there are none.
+fn disc_offset(scene: &Scene, frame: &Frame) -> f32 {
+    const LOOKS: usize = 1000;
+    const OFF: f32 = 0.25;
+    let of = |object: &Object| {
+        let shape = &frame.shapes[object.shape];
+        let mesh = shape.mesh_in(scene);
+        let step = mesh.discs.len().div_ceil(LOOKS).max(1);
+        let m = object.world_from_shape;
+        let edges: Vec<f32> = (0..mesh.discs.len())
+            .step_by(step)
+            .map(|disc| {
+                let [a, b, _] = mesh.triangles[Mesh::DISC * disc];
+                let [a, b] = [a, b].map(|v| m.transform_point3(shape.positions[v as usize]));
+                (a - b).length()
+            })
+            .collect();
+        OFF * edges.iter().sum::<f32>() / edges.len().max(1) as f32
+    };
+    frame.objects.iter().map(of).fold(0.0, f32::max)
 }
 
 fn corner_alpha(mesh: &Mesh, hit: &Hit) -> f32 {

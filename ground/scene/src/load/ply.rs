@@ -4,7 +4,8 @@
 //! colours are sRGB-encoded, fractions linear. Texture coordinates come with the vertices or with
 //! the faces' corners, and a `comment TextureFile` names the picture, as MeshLab writes it. Where
 //! normals are missing, faces are smoothed across edges that bend less than
-//! [`CREASE`](crate::normals::CREASE). A comment that says which axis is up is believed.
+//! [`CREASE`](crate::normals::CREASE). A comment that says which axis is up is believed. A file without
+//! faces is a cloud of points, drawn as discs.
 //!
 //! Guaranteed: the header's counts are checked against the file's size before memory is asked for;
 //! at most about 100 bytes are held for each byte of the file.
@@ -16,6 +17,7 @@ mod vertices;
 
 use super::text::stem;
 use super::{Door, Up, picture, prune};
+use crate::cloud::{Points, discs};
 use crate::{MaterialId, Mesh, MeshId, Node, NormalSource, Scene, normals};
 use chiaro_basis::Result;
 use chiaro_basis::math::Vec2;
@@ -32,12 +34,13 @@ pub(super) fn read(bytes: &[u8], door: &mut Door) -> Result<(Scene, Up)> {
         door.error(place, format!("{why}; export the file again"))
     })?;
     let (vertices, faces) = tables(&header, &bytes[header.bytes..], door)?;
-    if vertices.positions.is_empty() || faces.triangles.is_empty() {
-        let why = "there are no triangles: point clouds cannot be drawn; \
-                   reconstruct a surface first, as with MeshLab's screened Poisson";
-        return Err(door.error("", why));
-    }
     let up = header.comments.iter().find_map(|c| Up::said(c)).unwrap_or(Up::Y);
+    if faces.stored == 0 && faces.triangles.is_empty() {
+        return Ok((cloud(vertices, door)?, up));
+    }
+    if vertices.positions.is_empty() || faces.triangles.is_empty() {
+        return Err(door.error("", "there are no triangles; export the mesh again"));
+    }
     Ok((scene(&header, vertices, faces, door)?, up))
 }
 
@@ -89,6 +92,34 @@ fn scene(header: &Header, vertices: Vertices, faces: Faces, door: &mut Door) -> 
     let picture = header.comments.iter().find_map(|c| c.strip_prefix("TextureFile "));
     let picture = picture.filter(|_| !mesh.uvs.is_empty());
     picture::cover(&mut scene, !mesh.colours.is_empty(), picture, door)?;
+    let name = mesh.name.clone();
+    scene.nodes.push(Node { name, mesh: Some(MeshId::new(0)), ..Node::default() });
+    scene.meshes.push(mesh);
+    Ok(scene)
+}
+
+/// The discs of a file that has points alone.
+fn cloud(vertices: Vertices, door: &mut Door) -> Result<Scene> {
+    let count = vertices.positions.len() as u64;
+    door.spend("triangles", |b| &mut b.triangles, Mesh::DISC as u64 * count)?;
+    let Vertices { positions, normals, colours, .. } = vertices;
+    let (mut mesh, estimated) = discs(Points { positions, normals, colours });
+    if mesh.triangles.is_empty() {
+        let why = "there are no triangles, and fewer than three points; export it again";
+        return Err(door.error("", why));
+    }
+    let mut scene = Scene::default();
+    scene.stored.vertices = count;
+    let own = if estimated { "; their normals are estimated" } else { "" };
+    scene.warnings.push(format!(
+        "{}: {} points without triangles: each is drawn as a disc of the surface around it{own}",
+        door.name,
+        mesh.discs.len()
+    ));
+    mesh.name = stem(&door.name).into();
+    picture::cover(&mut scene, !mesh.colours.is_empty(), None, door)?;
+    // Estimated normals do not know which side is out.
+    scene.materials.iter_mut().for_each(|m| m.double_sided = estimated);
     let name = mesh.name.clone();
     scene.nodes.push(Node { name, mesh: Some(MeshId::new(0)), ..Node::default() });
     scene.meshes.push(mesh);
@@ -215,7 +246,7 @@ mod tests {
         let lies = [
             ("element vertex 400000000\nproperty float x\n", "do not fit"),
             ("element vertex 18446744073709551615\nproperty float x\n", "do not fit"),
-            ("element nothing 18446744073709551615\n", "no triangles"),
+            ("element nothing 18446744073709551615\n", "fewer than three points"),
             ("element vertex -1\n", "element"),
             ("property float x\n", "before any"),
             ("element vertex 1\nproperty list float x\n", "no property"),

@@ -13,6 +13,7 @@ mod lessons;
 mod light;
 mod measured;
 mod methods;
+mod overview;
 mod painting;
 mod plate;
 mod quantized;
@@ -44,7 +45,8 @@ fn all() -> impl Iterator<Item = &'static Figure> {
     let chapter3 = (chapter3::FIGURES.iter().chain(&painting::FIGURES))
         .chain(comparisons::FIGURES.iter().chain(&films::FIGURES));
     let chapter4 = chapter4::FIGURES.iter().chain(&swept::FIGURES).chain(&strokes::FIGURES);
-    chapter3.chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES)
+    let lines = chapter3.chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES);
+    lines.chain(&overview::FIGURES)
 }
 
 /// The figures that take scenes: every baseline beside ours, and the flicker of films.
@@ -110,7 +112,7 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
     if named(LIGHT) {
         sections.push(lights(scenes, folder, &mut record, run)?);
     }
-    let intro = "Figures of chapters 3, 4 and 6 of Buchholz (2012), remade.";
+    let intro = "Figures of chapters 3 to 6 of Buchholz (2012), remade.";
     let html = page::html("Figures", intro, &sections);
     record.outputs.push(write::whole(&folder.join("index.html"), html.as_bytes())?);
     Ok(record)

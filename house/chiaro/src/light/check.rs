@@ -13,13 +13,17 @@ use chiaro_trace::GBuffer;
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use serde_json::{Map, Value, json};
 
-/// Paths a pixel of the reference, at most, and in a batch.
-const MOST_SAMPLES: u32 = 4096;
+/// Paths a pixel of the reference, at most, at least, and in a batch.
+const MOST_SAMPLES: u32 = 2048;
+const LEAST_SAMPLES: u32 = 512;
 const BATCH: u32 = 64;
-/// The reference's own error, at most, over the error that is measured.
+/// The reference's own error over the error that is measured: with a fifth it no longer matters; from
+/// LEAST_SAMPLES on a half is enough, for it is known, and subtracted.
 const SURE: f64 = 0.2;
+const KNOWN: f64 = 0.5;
 
-/// Errors of irradiance at pixel centres against a path-traced reference.
+/// Errors of irradiance at pixel centres against a path-traced reference. The relative error is
+/// without the reference's own, whose mean square is known from the spread of its batches and is taken away.
 pub(super) fn against_paths(
     shot: &Shot,
     lit: &Lit,
@@ -42,9 +46,11 @@ pub(super) fn against_paths(
             paths.add(&mut reference, &buffer.pose, BATCH, Aim::Centre, run)
         })?;
         let indirect = own.map(|s| s.indirect);
-        let error = metric::rmse_relative(&indirect, &reference.indirect(), &buffer.covered)?;
+        let both = metric::rmse_relative(&indirect, &reference.indirect(), &buffer.covered)?;
         let sure = reference.relative_error(&buffer.covered);
+        let error = both.map(|b| (b * b - sure.map_or(0.0, |s| s * s)).max(0.0).sqrt());
         let enough = match (error, sure) {
+            (Some(e), Some(s)) if reference.samples() >= LEAST_SAMPLES => s <= KNOWN * e,
             (Some(e), Some(s)) => s <= SURE * e,
             (None, _) => reference.samples() >= 2 * BATCH,
             _ => false,

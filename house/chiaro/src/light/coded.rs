@@ -33,6 +33,8 @@ pub(super) fn gather(
     oracle: bool,
     run: &Run,
 ) -> Result<Gathered> {
+    let dark = LightKnobs { bounces: 0, ..knobs.clone() };
+    let knobs = if shot.black { &dark } else { knobs };
     let files = &shot.files;
     if let Some(cap) = &files.cap {
         cap.check(knobs, files.baked.is_some() || files.bake.is_some(), files.baked.is_some())?;

@@ -1,10 +1,13 @@
 //! Surfels and their tree, kept from frame to frame while nothing but the eye moves.
 //!
+//! Where something moves, the points keep their places on their triangles and the tree is built anew: that is
+//! one part in thirty of a frame at most, so that a refit, whose spheres only grow, would gain nothing.
+//!
 //! Guaranteed: a picture has the same bits whether its points were kept or made anew.
 
 use chiaro_basis::{Result, Run};
 use chiaro_pbgi::surfel::Lit;
-use chiaro_pbgi::{LightKnobs, Points, Prepared, Site, prepare, sites};
+use chiaro_pbgi::{LightKnobs, Points, Prepared, Site, prepare, sites_by};
 use chiaro_scene::{Frame, Shape};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,7 +32,7 @@ impl Kept {
         match last {
             Some((before, points)) if stands_still(&before, frame) => Ok(points.again(lit, knobs)),
             _ if frame.shapes.iter().any(|s| s.remade.is_some()) => {
-                let own = sites(lit.tracer.scene, frame, knobs.kept_surfels() as usize);
+                let own = sites_by(knobs, lit.tracer.scene, frame);
                 prepare(lit, &own, knobs, run)
             }
             _ => prepare(lit, places, knobs, run),

@@ -9,7 +9,7 @@ use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::codec::{self, Limits};
 use chiaro_image::colour::luminance;
-use chiaro_pbgi::{LightKnobs, OwnSky, Site, Spread, sites};
+use chiaro_pbgi::{LightKnobs, OwnSky, Site, Spread, sites_by};
 use chiaro_scene::{Frame, LightKind, Pose};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{
@@ -25,6 +25,8 @@ const SURVEY_HEIGHT: usize = 64;
 const SURVEY_SAMPLES: u32 = 16;
 /// The display value that the geometric mean of what is seen gets.
 const MIDDLE: f32 = 0.3;
+/// What is seen is black when paths find light on fewer than one in so many pixels.
+const UNLIT: usize = 100;
 /// The display value that the brightest twentieth of what is seen keeps below.
 const BRIGHT: f32 = 1.6;
 
@@ -39,6 +41,8 @@ pub(crate) struct Shot<'a> {
     pub(crate) files: TreeFiles,
     /// Display values over radiance.
     pub(crate) exposure: f32,
+    /// Whether paths found no light on what is seen: then there is none, and nothing is gathered.
+    pub(crate) black: bool,
     source: Source,
     /// The points of the frame before.
     pub(crate) kept: Kept,
@@ -75,7 +79,7 @@ impl<'a> Shot<'a> {
         let camera = Camera::choose(project, &frames, run)?;
         let surfaces = Surfaces::new(&project.scene);
         let pose = camera.pose(&frames[0], numbers[0]);
-        let sites = sites(&project.scene, &frames[0], knobs.kept_surfels() as usize);
+        let sites = sites_by(knobs, &project.scene, &frames[0]);
         let spread = match knobs.is_compact() {
             true => Spread::of(&project.scene, &frames[0], knobs.surfels.into()),
             false => Spread::default(),
@@ -92,6 +96,7 @@ impl<'a> Shot<'a> {
             spread,
             files: TreeFiles::default(),
             exposure: 1.0,
+            black: false,
             source,
             kept: Kept::default(),
             env_hash,
@@ -108,14 +113,14 @@ impl<'a> Shot<'a> {
     /// The exposure that puts the geometric mean of what is seen, over all surveyed frames, in the
     /// middle, unless its bright parts would burn out.
     fn expose(
-        &self,
+        &mut self,
         numbers: &[u32],
         frames: &[Frame],
         knobs: &LightKnobs,
         run: &Run,
     ) -> Result<f32> {
         let small = self.camera.at_height(SURVEY_HEIGHT).size;
-        let mut seen: Vec<f32> = Vec::new();
+        let (mut seen, mut covered): (Vec<f32>, usize) = (Vec::new(), 0);
         for (&number, frame) in numbers.iter().zip(frames) {
             let tracer = Tracer::new(&self.project.scene, frame);
             let lights = self.lights(&tracer);
@@ -129,6 +134,7 @@ impl<'a> Shot<'a> {
             let pose = self.camera.pose(frame, number);
             paths.add(&mut image, &pose, SURVEY_SAMPLES, Aim::Spread, run)?;
             let (direct, indirect, coverage) = (image.direct(), image.indirect(), image.coverage());
+            covered += coverage.pixels().iter().filter(|c| **c > 0.5).count();
             seen.extend(
                 direct
                     .pixels()
@@ -140,10 +146,12 @@ impl<'a> Shot<'a> {
                     .filter(|l| *l > 0.0 && l.is_finite()),
             );
         }
-        if seen.is_empty() {
+        self.black = seen.len() <= covered / UNLIT;
+        if self.black {
             run.warn("no light reaches what is seen: the picture is black; add a lamp or --env");
         }
-        Ok(exposure(&mut seen) * knobs.exposure.exp2())
+        let exposure = if self.black { 1.0 } else { exposure(&mut seen) };
+        Ok(exposure * knobs.exposure.exp2())
     }
 }
 

@@ -3,14 +3,17 @@
 use super::check::displayed;
 use super::shot::Shot;
 use crate::project::{Options, Project};
+use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::{Plane, metric};
 use chiaro_pbgi::packed::Record;
+use chiaro_pbgi::pixel::{Workspace, gather};
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::{Lit, Surfels};
 use chiaro_pbgi::{Hierarchy, LightKnobs, Prepared, Spread, indirect, prepare, sites, stream};
 use chiaro_scene::Frame;
-use chiaro_trace::{Direct, GBuffer, direct_irradiance};
+use chiaro_trace::{Direct, GBuffer, Vertex, direct_irradiance};
+use std::f32::consts::{PI, TAU};
 use std::time::Instant;
 
 /// A tree of any kind.
@@ -117,6 +120,31 @@ impl Still<'_> {
         }
         let indirect = seen.map(|s| Seen { direct: [0.0; 3], beyond: [0.0; 3], ..*s });
         displayed(&indirect, self.shot.exposure, self.knobs.tone)
+    }
+
+    /// All that the receiver at a pixel gathers, in latitude and longitude, by a buffer of `side` x `side` texels a face.
+    pub(crate) fn received(
+        &self,
+        points: &mut Prepared<AnyTree>,
+        pixel: (usize, usize),
+        side: u32,
+    ) -> Plane<[f32; 3]> {
+        let usual = points.knobs.clone();
+        points.knobs = LightKnobs { resolution: side, solid_angle: 1.0, ..usual.clone() };
+        let at = Vertex::of_pixel(self.lit.tracer, self.buffer, pixel);
+        let mut work = Workspace::new(side as usize);
+        gather(points, &at, 1.0, &mut work, 0);
+        points.knobs = usual;
+        let buffer = work.buffer();
+        let (width, height) = (2 * self.buffer.size().1, self.buffer.size().1);
+        let seen = Plane::from_fn(width, height, |x, y| {
+            let longitude = TAU * (x as f32 + 0.5) / width as f32;
+            let (sin, cos) = (PI * (y as f32 + 0.5) / height as f32).sin_cos();
+            let direction = Vec3::new(sin * longitude.sin(), cos, -sin * longitude.cos());
+            let direct = buffer.radiance(buffer.shape().texel(direction));
+            Seen { direct, ..Seen::default() }
+        });
+        displayed(&seen, self.shot.exposure, self.knobs.tone)
     }
 
     /// The surfel discs that are seen: each pixel in its surfel's colour, grey between discs.

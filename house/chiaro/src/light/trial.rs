@@ -11,7 +11,7 @@ use crate::project::Project;
 use chiaro_basis::{Error, Result, Run, random};
 use chiaro_image::Plane;
 use chiaro_pbgi::surfel::Lit;
-use chiaro_pbgi::{LightKnobs, indirect, prepare, sites};
+use chiaro_pbgi::{LightKnobs, indirect, prepare, sites_by};
 use chiaro_trace::path::PathTracer;
 use chiaro_trace::{GBuffer, Sequence, Vertex};
 use std::f32::consts::PI;
@@ -100,7 +100,7 @@ fn tried(
             let (irradiance, gathers, prepared) = match way.paths {
                 Some(count) => (by_paths(lit, buffer, way.knobs.bounces, count, 3, run)?, 0, start),
                 None => {
-                    let sites = sites(&project.scene, frame, way.knobs.surfels as usize);
+                    let sites = sites_by(&way.knobs, &project.scene, frame);
                     let mut scene = prepare(*lit, &sites, &way.knobs, run)?;
                     scene.shift = way.shift;
                     let prepared = processor_seconds();

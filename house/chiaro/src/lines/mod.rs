@@ -194,6 +194,10 @@ impl Job<'_> {
     /// Finds the lines and writes every frame that is not there yet.
     pub fn run(&self, run: &Run) -> Result<Record> {
         let encoding = Encoding::of(&self.target)?;
+        if self.project.scene.meshes.iter().any(chiaro_scene::Mesh::is_cloud) {
+            let why = "points have no edges to draw; use light or binary, or reconstruct a surface";
+            return Err(Error::input(&self.project.name, "", why));
+        }
         let mut record = Record::new("lines");
         let camera = camera(self.project, run)?;
         let regions = self.regions(encoding, run)?;
