@@ -64,7 +64,7 @@ impl Fixed {
     /// From what shines and from suns, by the share of them that falls to a pixel of a tile.
     fn dealt(&self, tracer: &Tracer, at: &Vertex, place: usize) -> [f32; 3] {
         let far = self.glow.iter().skip(place).step_by(DEAL);
-        let far = far.map(|c| (c.lamp, 1.0 - c.nearness(at.position)));
+        let far = far.map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
         let near = self.glow.iter().flat_map(|c| {
             let share = c.nearness(at.position);
             let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };
@@ -78,7 +78,7 @@ impl Fixed {
     fn alone(&self, tracer: &Tracer, at: &Vertex) -> [f32; 3] {
         let many = ALONE as f32;
         let far = self.glow.iter().step_by(ALONE);
-        let far = far.map(|c| (c.lamp, many * (1.0 - c.nearness(at.position))));
+        let far = far.map(|c| (c.seen_from(at.position), many * (1.0 - c.nearness(at.position))));
         let near = self.glow.iter().flat_map(|c| {
             let share = c.nearness(at.position);
             let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };

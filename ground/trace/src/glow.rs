@@ -73,6 +73,8 @@ pub struct Cluster {
     pub radius: f32,
     /// The whole as many lamps.
     pub pieces: Vec<Lamp>,
+    /// Whether all pieces face one way.
+    pub is_flat: bool,
 }
 
 impl Cluster {
@@ -81,6 +83,27 @@ impl Cluster {
     pub fn nearness(&self, point: Vec3) -> f32 {
         let d = (self.lamp.position - point).length();
         (2.0 - d / (2.0 * self.radius).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
+    }
+
+    /// The lamp as a point sees it: a bulb is seen at the piece that faces the point most, and shines with the
+    /// mean cosine of all.
+    pub fn seen_from(&self, point: Vec3) -> Lamp {
+        if self.is_flat {
+            return self.lamp;
+        }
+        let towards = (point - self.lamp.position).normalize_or(self.lamp.direction);
+        let cosine = |l: &Lamp| match l.patch {
+            Some(Patch { two_sided: true, .. }) => l.direction.dot(towards).abs(),
+            _ => l.direction.dot(towards).max(0.0),
+        };
+        let facing = |best: (f32, Vec3), l: &Lamp| {
+            let c = cosine(l);
+            if c > best.0 { (c, l.position) } else { best }
+        };
+        let (_, position) = self.pieces.iter().fold((0.0, self.lamp.position), facing);
+        let power: f32 = self.pieces.iter().map(|l| l.strength * cosine(l)).sum();
+        let direction = (point - position).normalize_or(towards);
+        Lamp { position, direction, strength: power, ..self.lamp }
     }
 }
 
@@ -184,7 +207,9 @@ impl Glow {
         let radius = (members.iter().map(square).sum::<f32>() / members.len() as f32).sqrt();
         let part = share * members.len() as f32 / PIECES as f32;
         let piece = |i: usize| self.lamp(points, &[members[i * members.len() / PIECES]], part);
-        Cluster { lamp, radius, pieces: (0..PIECES).map(piece).collect() }
+        let pieces: Vec<Lamp> = (0..PIECES).map(piece).collect();
+        let is_flat = pieces.iter().all(|p| p.direction.dot(lamp.direction) > 0.99);
+        Cluster { lamp, radius, pieces, is_flat }
     }
 
     /// One lamp for a cluster of points: at the member nearest to their mean, with its triangle's
@@ -345,6 +370,39 @@ mod tests {
                 })
                 .sum();
             assert!((sum / exact - 1.0).abs() < 0.1, "{h}: {sum} {exact}");
+        }
+    }
+
+    #[test]
+    fn a_bulb_shines_all_around() {
+        // A cube, one lamp in all: from afar it gives what its sides that are seen give.
+        let side = |axis: usize, sign: f32| {
+            let at = |u: f32, v: f32| {
+                let mut p = [0.5 * sign; 3];
+                (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (u - 0.5, v - 0.5);
+                Vec3::from(p)
+            };
+            let mut normal = Vec3::ZERO;
+            normal[axis] = sign;
+            let [a, b, c, d] = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+            [[a, b, c], [a, c, d]].map(|corners| GlowTriangle {
+                corners,
+                normal,
+                area: 0.5,
+                radiance: [1.0; 3],
+                two_sided: false,
+                textured: false,
+                object: 0,
+                face: 0,
+            })
+        };
+        let sides = (0..3).flat_map(|k| [side(k, 1.0), side(k, -1.0)]).flatten().collect();
+        let clusters = Glow::from_triangles(sides).clusters(1);
+        for w in [Vec3::X, -Vec3::Y, vec3(-0.6, 0.0, 0.8)] {
+            let lamp = clusters[0].seen_from(100.0 * w);
+            let strength = lamp.arrival(100.0 * w).unwrap().strength * 1e4;
+            let exact = w.abs().element_sum();
+            assert!((strength / exact - 1.0).abs() < 0.15, "{w}: {strength} {exact}");
         }
     }
 
