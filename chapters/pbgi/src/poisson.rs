@@ -5,9 +5,9 @@
 //!    within the distance, on a side that faces likewise: sheets of a thin wall do not see each other.
 //! 3. Every candidate gives its area to the kept one nearest to it: areas sum up to the surface's.
 //!
-//! Guaranteed: a triangle or a body too small for a surfel of its own is stood for by its
-//! neighbours if one lies within two distances, else its area is lost. About `count` surfels come out, as
-//! many as random packing lets in: within a tenth on surfaces that are wide against the distance.
+//! Guaranteed: a candidate that is not kept lies within the distance of one that is, so that no area is
+//! lost. About `count` surfels come out, as many as random packing lets in: within a tenth on surfaces that are wide
+//! against the distance.
 
 use crate::site::{Site, sites};
 use chiaro_basis::math::{Mat3, Vec3};
@@ -50,7 +50,7 @@ pub fn poisson_sites(scene: &Scene, frame: &Frame, count: usize) -> Vec<Site> {
     }
     let mut areas: HashMap<u32, f32> = HashMap::new();
     for place in &places {
-        if let Some(k) = kept.nearest(&places, place, 2.0 * distance) {
+        if let Some(k) = kept.nearest(&places, place, distance) {
             *areas.entry(k).or_default() += place.area;
         }
     }
@@ -99,7 +99,7 @@ impl Kept {
         self.cells.entry(key).or_default().push(index);
     }
 
-    /// The one nearest to a candidate within a distance, a whole number of cells.
+    /// The one nearest to a candidate within a distance.
     fn nearest(&self, places: &[Candidate], to: &Candidate, within: f32) -> Option<u32> {
         let reach = (within / self.cell).ceil() as i32;
         let [x, y, z] = self.key(to.position);
