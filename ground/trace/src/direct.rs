@@ -32,7 +32,7 @@ const SKY_DEAL: usize = SKY_TILE * SKY_TILE;
 /// Small lamps for what shines, and for the sky: so many for each pixel of a tile.
 const GLOW_SHARE: usize = 4;
 const SKY_SHARE: usize = 8;
-/// A pixel by itself visits every so many of the small lamps, and of the sky's.
+/// A pixel by itself visits every so many of the pieces and suns, and of the sky's lamps.
 const ALONE: usize = 2;
 const SKY_ALONE: usize = 4;
 /// The least cosine between normals of a window: of a flat one, and of one that is merely bent.
@@ -76,9 +76,10 @@ impl Fixed {
 
     /// The same by a pixel that stands alone.
     fn alone(&self, tracer: &Tracer, at: &Vertex) -> [f32; 3] {
+        // All clusters: one may be the only lamp of its room.
+        let far =
+            self.glow.iter().map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
         let many = ALONE as f32;
-        let far = self.glow.iter().step_by(ALONE);
-        let far = far.map(|c| (c.seen_from(at.position), many * (1.0 - c.nearness(at.position))));
         let near = self.glow.iter().flat_map(|c| {
             let share = c.nearness(at.position);
             let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };
