@@ -407,7 +407,7 @@ impl PrintArgs {
 #[derive(Args, Clone, Debug)]
 pub(crate) struct StencilArgs {
     /// Make a stencil: holes where the ink is, in a sheet of one piece, held by bridges of this
-    /// width, as in 2mm.
+    /// width, as in 2mm; of a palette one for each ink, as layers of an SVG or one below the other.
     #[arg(long, value_name = "LENGTH")]
     stencil: Option<String>,
     /// Holes and loose parts of a stencil smaller than a disc of this diameter are left out.

@@ -102,9 +102,16 @@ fn a_stencil_is_one_piece_and_says_what_it_cost() {
     let thin = with(&["--stencil", "0.1mm", "-o", "b.png"]);
     assert_eq!(thin.status.code(), Some(1));
     assert!(stderr(&thin).contains("or a larger --size"), "{}", stderr(&thin));
-    let many = with(&["--stencil", "4mm", "--set", "palette=4", "-o", "b.png"]);
-    assert!(stderr(&many).contains("a stencil for each colour"), "{}", stderr(&many));
     assert!(!dir.path().join("b.png").exists());
+    let many = with(&["--stencil", "4mm", "--set", "palette=4", "-o", "b.pbm"]);
+    assert!(many.status.success(), "{}", stderr(&many));
+    let record: serde_json::Value = serde_json::from_slice(&many.stdout).unwrap();
+    assert_eq!(record["counts"]["stencils"], 3, "the lightest is the paper");
+    assert!(record["counts"]["stencil_energy"].as_f64().unwrap().is_finite());
+    let bitmap = std::fs::read(dir.path().join("b.pbm")).unwrap();
+    for (i, sheet) in bitmap[bitmap.len() - 3 * 25 * 160..].chunks(25 * 160).enumerate() {
+        assert_eq!(white_pieces(sheet, 200, 160), 1, "sheet {i}");
+    }
 }
 
 #[test]

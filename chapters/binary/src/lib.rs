@@ -31,6 +31,7 @@ mod plateau;
 mod price;
 mod rows;
 mod shade;
+mod tariff;
 mod terminal;
 mod window;
 
@@ -49,4 +50,5 @@ pub use line::{Features, Lines};
 pub use paint::{Lesson, Paint, Stroke, Strokes};
 pub use palette::{Coloured, Palette, colour_regions, film_layers, is_light, labelled, tint};
 pub use shade::{Prepared, Steps, View, Weights, expose, outline, prepare, shade, weigh};
+pub use tariff::Tariff;
 pub use terminal::terminal;

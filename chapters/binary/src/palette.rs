@@ -17,6 +17,7 @@ use crate::island::without_islands;
 use crate::knob::{BinaryKnobs, scaled};
 use crate::paint::Paint;
 use crate::shade::View;
+use crate::tariff::Tariff;
 use crate::terminal::terminal;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
@@ -113,6 +114,8 @@ pub struct Coloured {
     pub labels: Plane<u8>,
     /// The energy of the cut, in units of capacity, before islands are removed.
     pub energy: i64,
+    /// What any labels of the picture cost.
+    pub tariff: Tariff,
 }
 
 /// The best labels in order, each a step from the next.
@@ -157,7 +160,8 @@ pub fn colour_regions(
     if let Some(paint) = paint {
         labels = keep(labels, &graph.mask, paint.drawn(), palette);
     }
-    Ok(Coloured { labels, energy: found.energy })
+    let tariff = Tariff::new(data, count, !matches!(palette, Palette::Spots(_)));
+    Ok(Coloured { labels, energy: found.energy, tariff })
 }
 
 /// Labels with what is painted as it is painted.
@@ -263,7 +267,7 @@ pub fn labelled(
     let mask = &cel.graph.mask;
     let energy = (0..cel.layers.len()).map(|l| cel.energy(l, &layers[l])).sum();
     if let (Palette::Spots(_), [labels]) = (palette, layers) {
-        return Coloured { labels: labels.clone(), energy };
+        return Coloured { labels: labels.clone(), energy, tariff: Tariff::of(cel, false) };
     }
     let mut labels = mask.map(|_| 0);
     for white in layers.iter().take(cel.layers.len()) {
@@ -273,7 +277,7 @@ pub fn labelled(
     if let Some(drawn) = &cel.painted {
         labels = keep(labels, mask, drawn, palette);
     }
-    Coloured { labels, energy }
+    Coloured { labels, energy, tariff: Tariff::of(cel, true) }
 }
 
 /// The price of tone l: what the binary problems pay whose step is passed, and those whose is not.

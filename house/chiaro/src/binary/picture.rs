@@ -5,7 +5,7 @@ use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
     BinaryKnobs, Coloured, Exposure, Features, Graph, Labels, Lines, Marks, Paint, Palette, Steps,
-    View, colour_regions, compose, is_light, outline, prepare, scaled, tint,
+    Tariff, View, colour_regions, compose, is_light, outline, prepare, scaled, tint,
 };
 use chiaro_image::Plane;
 use chiaro_image::colour::to_byte;
@@ -23,7 +23,7 @@ pub(crate) fn draw(
     let paper = colours.paper_is_white();
     let palette = Palette::parse(&knobs.palette, colours.ink, colours.paper)?;
     let prepared = |view| prepare(view, exposure, knobs, paint, run);
-    let mut labels = None;
+    let (mut labels, mut tariff) = (None, None);
     let (steps, tint) = match &palette {
         Palette::Two => (prepared(Cow::Owned(view))?.cut(paint, paper, knobs, run)?, None),
         palette => {
@@ -39,7 +39,7 @@ pub(crate) fn draw(
             let sheet = Tinted { palette, covered, features: &features, knobs, colours };
             let (white, region, lines, tint) = sheet.draw(&coloured, run);
             (steps.white, steps.region, steps.lines) = (white, region, lines);
-            labels = Some(coloured.labels);
+            (labels, tariff) = (Some(coloured.labels), Some(coloured.tariff));
             (steps, Some(tint))
         }
     };
@@ -57,6 +57,7 @@ pub(crate) fn draw(
         map: None,
         marks,
         tint,
+        tariff,
         graph,
         cut,
         counts,
@@ -121,6 +122,8 @@ pub struct Picture {
     pub palette: Vec<[f32; 4]>,
     /// Its colours where the palette is more than ink and paper, lines drawn, sRGB-encoded.
     pub tint: Option<Plane<[f32; 3]>>,
+    /// What labels of that palette cost.
+    pub tariff: Option<Tariff>,
     /// The graph that was cut.
     pub graph: Graph,
     /// That graph's own minimal cut.

@@ -1,5 +1,6 @@
 //! A finished picture as the bytes of a file: PNG, PBM, TIFF or SVG.
 
+use super::stencil::stacked;
 use super::{Look, Picture};
 use crate::colours::Colours;
 use crate::film::Target;
@@ -59,13 +60,17 @@ impl Plates<'_> {
     ) -> Result<Vec<u8>> {
         match encoding {
             Encoding::Svg => self.svg(picture, counts),
-            Encoding::Tiff => self.tiff(&self.bits(picture, counts)?),
+            Encoding::Tiff => {
+                let dpi = self.look.print.sheet.place(picture.covered.size())?.dpi();
+                let bits = self.bits(picture, counts)?;
+                Ok(codec::write_tiff_bits(&bits, dpi, Some(self.recipe)))
+            }
             Encoding::Pbm => Ok(codec::write_pbm(&self.bits(picture, counts)?)),
             Encoding::Png => self.png(picture, counts),
         }
     }
 
-    /// The picture, or its stencil, as a screen shows it.
+    /// The picture, or its stencils one below the other, as a screen shows it.
     pub(crate) fn shown(
         &self,
         picture: &Picture,
@@ -75,8 +80,24 @@ impl Plates<'_> {
         if self.look.stencil.is_none() {
             return Ok(picture.coloured(colours));
         }
-        let [ink, sheet] = [colours.ink, colours.paper].map(|c| c.map(to_byte));
-        Ok(self.bits(picture, counts)?.map(|s| if *s { sheet } else { ink }))
+        let paper = colours.paper.map(to_byte);
+        let sheets = self.sheets(picture, counts)?.into_iter().map(|(ink, sheet)| {
+            let ink = ink.map(to_byte);
+            sheet.map(|s| if *s { paper } else { ink })
+        });
+        Ok(stacked(&sheets.collect::<Vec<_>>()))
+    }
+
+    /// The picture's stencils with their inks; none where it is to be a picture.
+    fn sheets(
+        &self,
+        picture: &Picture,
+        counts: &mut Map<String, Value>,
+    ) -> Result<Vec<(Colour, Plane<bool>)>> {
+        let Some(stencil) = &self.look.stencil else { return Ok(Vec::new()) };
+        let place = self.look.print.sheet.place(picture.covered.size())?;
+        let how = (&self.look.colours, self.look.knobs);
+        stencil.sheets(picture, how, &place, counts)
     }
 
     fn png(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
@@ -87,29 +108,20 @@ impl Plates<'_> {
         codec::write_png_rgba(&rgba, Some(self.recipe))
     }
 
-    /// The picture, or its stencil, in one bit.
+    /// The picture, or its stencils one below the other, in one bit.
     fn bits(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Plane<bool>> {
-        let colours = &self.look.colours;
-        match &self.look.stencil {
-            Some(stencil) => {
-                let place = self.look.print.sheet.place(picture.covered.size())?;
-                stencil.sheet(picture, colours, &place, counts)
-            }
-            None => Ok(one_bit(&picture.marks, &picture.lines, colours.paper_is_white())),
+        if self.look.stencil.is_none() {
+            let paper = self.look.colours.paper_is_white();
+            return Ok(one_bit(&picture.marks, &picture.lines, paper));
         }
-    }
-
-    fn tiff(&self, bits: &Plane<bool>) -> Result<Vec<u8>> {
-        let dpi = self.look.print.sheet.place(bits.size())?.dpi();
-        Ok(codec::write_tiff_bits(bits, dpi, Some(self.recipe)))
+        let sheets = self.sheets(picture, counts)?.into_iter().map(|(_, sheet)| sheet);
+        Ok(stacked(&sheets.collect::<Vec<_>>()))
     }
 
     fn svg(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
         let (colours, print) = (&self.look.colours, &self.look.print);
         if let Some(stencil) = &self.look.stencil {
-            let place = print.sheet.place(picture.covered.size())?;
-            let how = (colours, self.look.knobs);
-            let sheets = stencil.sheets(picture, how, &place, counts)?;
+            let sheets = self.sheets(picture, counts)?;
             let text = (self.title, self.recipe);
             return vector::stencil(&sheets, stencil, self.look, text).map(String::into_bytes);
         }

@@ -17,7 +17,8 @@ use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
     BinaryKnobs, Border, Cel, Exposure, FeaturePairs, Features, Film, Flicker, Graph, Lines, Paint,
-    Palette, Plan, Shown, View, Weights, compose, film_layers, labelled, outline, scaled, weigh,
+    Palette, Plan, Shown, Tariff, View, Weights, compose, film_layers, labelled, outline, scaled,
+    weigh,
 };
 use chiaro_image::{Plane, filter};
 use chiaro_scene::{Frame, Poser};
@@ -269,7 +270,7 @@ impl Setting<'_> {
             outline(&take.features, white, &graph.mask, self.colours.paper_is_white(), knobs)
         });
         let labels = take.features.haloed(white).map(|w| u8::from(*w));
-        self.finished(take, (labels, None), (white.clone(), &region, lines), run)
+        self.finished(take, (labels, None, None), (white.clone(), &region, lines), run)
     }
 
     fn coloured(&self, take: &Take, layers: &[Plane<u8>], run: &Run) -> Picture {
@@ -279,13 +280,14 @@ impl Setting<'_> {
         coloured.labels = features.lightened(&coloured.labels, palette.lightest());
         let (white, region, lines, tint) =
             Tinted { palette, covered, features, knobs, colours }.draw(&coloured, run);
-        self.finished(take, (coloured.labels, Some(tint)), (white, &region, lines), run)
+        let labels = (coloured.labels, Some(tint), Some(coloured.tariff));
+        self.finished(take, labels, (white, &region, lines), run)
     }
 
     fn finished(
         &self,
         take: &Take,
-        (labels, tint): (Plane<u8>, Option<Plane<[f32; 3]>>),
+        (labels, tint, tariff): (Plane<u8>, Option<Plane<[f32; 3]>>, Option<Tariff>),
         (white, region, lines): (Plane<bool>, &Plane<f32>, Lines),
         run: &Run,
     ) -> Picture {
@@ -304,6 +306,7 @@ impl Setting<'_> {
             map: None,
             marks,
             tint,
+            tariff,
             graph: graph.clone(),
             cut: alone.clone(),
             counts,

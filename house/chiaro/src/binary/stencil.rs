@@ -2,7 +2,8 @@
 //!
 //! The picture in one bit, lines and all, becomes a sheet; what bridges cost is what the cut's weights
 //! say of the pixels that they change. A palette has a sheet for each colour but the lightest, which is
-//! the paper; lines are the darkest one's, and every pixel costs the same.
+//! the paper; lines are the darkest one's, and every pixel costs the same to a bridge. What bridges add
+//! to the energy is said of all sheets together: a bridge is paper, a part left out is ink.
 
 use super::Picture;
 use crate::colours::Colours;
@@ -33,23 +34,15 @@ impl Cutting {
         json!({ "bridge": self.bridge, "smallest_part": self.part })
     }
 
-    /// The sheet of a picture that lies on paper as `place` says; its measures go into `counts`.
-    ///
-    /// # Errors
-    /// [`Error::Setting`] for more colours than two, which need [`Self::sheets`], and for bridges too thin
-    /// for the pixels.
-    pub(crate) fn sheet(
+    /// The sheet of a picture in ink and paper that lies on paper as `place` says; its measures go into
+    /// `counts`.
+    fn sheet(
         &self,
         picture: &Picture,
         colours: &Colours,
         place: &Placement,
         counts: &mut Map<String, Value>,
     ) -> Result<Plane<bool>> {
-        if picture.tint.is_some() {
-            let range =
-                "a file name that ends in .svg: a palette has a stencil for each colour, as layers";
-            return Err(Error::setting("-o", "one picture of more colours than two", range));
-        }
         let form = self.form(place)?;
         let given = one_bit(&picture.marks, &picture.lines, colours.paper_is_white());
         let prices = picture.graph.prices(&given, form.bridge);
@@ -69,15 +62,17 @@ impl Cutting {
         place: &Placement,
         counts: &mut Map<String, Value>,
     ) -> Result<Vec<(Colour, Plane<bool>)>> {
-        if picture.tint.is_none() {
+        let Some(tariff) = &picture.tariff else {
             return Ok(vec![(colours.ink, self.sheet(picture, colours, place, counts)?)]);
-        }
+        };
         let form = self.form(place)?;
         let (w, h) = picture.labels.size();
         let prices = picture.covered.map(|c| if *c { 1.0 } else { BESIDE });
         let blank = compose(&Plane::filled(w, h, 1.0), &picture.covered, &picture.lines, knobs);
         let no_line = one_bit(&blank, &picture.lines, true);
-        let (mut sheets, mut spans) = (Vec::new(), Vec::new());
+        let paper = lightest(&picture.palette);
+        let (mut sheets, mut spans, mut added) = (Vec::new(), Vec::new(), 0);
+        let uncut = tariff.energy(&picture.labels, &picture.graph);
         for (label, colour) in inks(&picture.palette) {
             let given = Plane::from_fn(w, h, |x, y| {
                 let at = (x, y);
@@ -86,6 +81,15 @@ impl Cutting {
             });
             let made = stencil(&given, &prices, &form);
             spans.extend(made.bridges.iter().map(|b| f64::from(b.span) * place.scale));
+            let changed = Plane::from_fn(w, h, |x, y| {
+                let (at, own) = ((x, y), picture.labels[(x, y)]);
+                match (given[at], made.sheet[at]) {
+                    (false, true) if usize::from(own) == label => paper,
+                    (true, false) => label as u8,
+                    _ => own,
+                }
+            });
+            added += tariff.energy(&changed, &picture.graph) - uncut;
             sheets.push((colour, made.sheet));
         }
         let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
@@ -93,6 +97,7 @@ impl Cutting {
         put("bridges", json!(spans.len()));
         put("bridges_mm", json!(spans.iter().sum::<f64>()));
         put("longest_bridge_mm", json!(spans.into_iter().fold(0.0, f64::max)));
+        put("stencil_energy", json!(added as f64 / f64::from(picture.graph.scale)));
         Ok(sheets)
     }
 
@@ -110,13 +115,31 @@ impl Cutting {
     }
 }
 
-/// The colours of a palette with their places, from the darkest on, but for the lightest.
-fn inks(palette: &[Colour]) -> Vec<(usize, Colour)> {
+/// The colours of a palette with their places, from the darkest on.
+fn by_lightness(palette: &[Colour]) -> Vec<(usize, Colour)> {
     let lightness = |c: &Colour| 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
     let mut all: Vec<(usize, Colour)> = palette.iter().copied().enumerate().collect();
     all.sort_by(|a, b| lightness(&a.1).total_cmp(&lightness(&b.1)));
-    all.pop();
     all
+}
+
+/// Those that are inks: all but the lightest. A palette of one colour is that ink's.
+fn inks(palette: &[Colour]) -> Vec<(usize, Colour)> {
+    let mut all = by_lightness(palette);
+    all.truncate(palette.len().saturating_sub(1).max(1));
+    all
+}
+
+/// The place of the lightest colour of a palette: the paper.
+fn lightest(palette: &[Colour]) -> u8 {
+    by_lightness(palette).last().map_or(0, |(label, _)| *label as u8)
+}
+
+/// Sheets as one picture, one below the other.
+pub(super) fn stacked<T: Clone>(sheets: &[Plane<T>]) -> Plane<T> {
+    let width = sheets.first().map_or(0, Plane::width);
+    let height = sheets.iter().map(Plane::height).sum();
+    Plane::from_pixels(width, height, sheets.iter().flat_map(|s| s.pixels()).cloned().collect())
 }
 
 /// What was changed, and what that adds to the energy of the cut.
@@ -176,6 +199,9 @@ mod tests {
             assert_eq!(pieces.iter().filter(|p| p.label).count(), 1);
             assert!(pieces.iter().any(|p| !p.label), "there are holes");
         }
-        assert!(cutting.sheet(&picture, &colours, &place, &mut counts).is_err());
+        let added = counts["stencil_energy"].as_f64().unwrap();
+        assert!(counts["bridges"].as_u64().unwrap() > 0 && added > 0.0, "bridges cost {added}");
+        let all = stacked(&sheets.into_iter().map(|(_, sheet)| sheet).collect::<Vec<_>>());
+        assert_eq!(all.size(), (160, 240));
     }
 }

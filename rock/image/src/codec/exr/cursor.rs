@@ -52,13 +52,15 @@ impl<'a> Cursor<'a> {
     /// A count or size: not negative.
     pub(super) fn count(&mut self) -> Result<usize> {
         let count = self.i32()?;
-        usize::try_from(count).map_err(|_| self.wrong(format!("a size is negative ({count})")))
+        usize::try_from(count)
+            .map_err(|_| self.wrong(format!("the file is damaged: a size is negative ({count})")))
     }
 
     /// Text up to its zero byte, at most 255 bytes long. Bytes that are not UTF-8 are replaced.
     pub(super) fn text(&mut self) -> Result<String> {
         let end = self.rest.iter().take(256).position(|&b| b == 0);
-        let end = end.ok_or_else(|| self.wrong("a name does not end"))?;
+        let end =
+            end.ok_or_else(|| self.wrong("the file is damaged or cut short: a name does not end"))?;
         let text = self.take(end + 1)?;
         Ok(String::from_utf8_lossy(&text[..end]).into_owned())
     }
