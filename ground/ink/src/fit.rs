@@ -11,8 +11,8 @@
 
 use crate::path::{distance, distance_to_segment};
 use crate::{Path, Point, Segment};
-use kurbo::BezPath;
 use kurbo::simplify::SimplifyBezPath;
+use kurbo::{BezPath, ParamCurve, PathEl, PathSeg};
 
 /// How curves are fitted. Lengths are in the unit of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -225,25 +225,54 @@ fn knot(c: &[Point]) -> Point {
     std::array::from_fn(|i| (c[0][i] + 4.0 * c[1][i] + c[2][i]) / 6.0)
 }
 
-/// Fits few cubics to a spline and ends them exactly at `end`.
+/// Fits few cubics to a spline and ends them exactly at `end`. Where a fit leaves the spline, as happens
+/// at cusps, the spline's own cubics stand.
 fn append(out: &mut Vec<Segment>, spline: &BezPath, how: &Fit, end: Point) {
     let source = SimplifyBezPath::new(spline.iter());
     let fitted = kurbo::fit_to_bezpath(&source, how.tolerance);
     let from = out.len();
-    let point = |p: kurbo::Point| [p.x, p.y];
-    for element in fitted.elements() {
-        match *element {
-            kurbo::PathEl::LineTo(p) => out.push(Segment::Line(point(p))),
-            kurbo::PathEl::CurveTo(a, b, p) => {
-                out.push(Segment::Cubic(point(a), point(b), point(p)));
-            }
-            _ => {}
-        }
-    }
+    out.extend(segments(if stays(&fitted, spline, how) { &fitted } else { spline }));
     match out[from..].last_mut() {
         Some(Segment::Line(p) | Segment::Cubic(_, _, p)) => *p = end,
         None => out.push(Segment::Line(end)),
     }
+}
+
+fn segments(path: &BezPath) -> impl Iterator<Item = Segment> + '_ {
+    let point = |p: kurbo::Point| [p.x, p.y];
+    path.elements().iter().filter_map(move |element| match *element {
+        PathEl::LineTo(p) => Some(Segment::Line(point(p))),
+        PathEl::CurveTo(a, b, p) => Some(Segment::Cubic(point(a), point(b), point(p))),
+        _ => None,
+    })
+}
+
+/// Whether curves fitted to a spline stay near it. Only those with long handles are looked at: others
+/// cannot leave their ends by much.
+fn stays(fitted: &BezPath, spline: &BezPath, how: &Fit) -> bool {
+    let mut way: Option<Vec<kurbo::Point>> = None;
+    fitted.segments().all(|segment| {
+        let PathSeg::Cubic(c) = segment else { return true };
+        let chord = (c.p3 - c.p0).hypot();
+        let handle = (c.p1 - c.p0).hypot().max((c.p3 - c.p2).hypot());
+        if handle <= chord {
+            return handle.is_finite();
+        }
+        let way = way.get_or_insert_with(|| passed(spline));
+        let limit = 4.0 * how.tolerance + 0.25 * how.blur;
+        (1..16).map(|i| c.eval(f64::from(i) / 16.0)).all(|p| {
+            let near = |w: &[kurbo::Point]| {
+                distance_to_segment([p.x, p.y], [w[0].x, w[0].y], [w[1].x, w[1].y]) <= limit
+            };
+            way.windows(2).any(near)
+        })
+    })
+}
+
+/// Points on a spline, close to each other.
+fn passed(spline: &BezPath) -> Vec<kurbo::Point> {
+    let steps = |s: PathSeg| (0..=4).map(move |i| s.eval(f64::from(i) / 4.0));
+    spline.segments().flat_map(steps).collect()
 }
 
 /// `points` without those that the rest stands for within `tolerance` (Douglas and Peucker); the
@@ -337,5 +366,32 @@ mod tests {
         assert_eq!((few[0], few[3]), (points[0], points[99]));
         assert!(simplified(&[], 0.1).is_empty());
         assert_eq!(simplified(&points[..1], 0.1).len(), 1);
+    }
+
+    #[test]
+    fn curves_never_leave_what_they_are_fitted_to() {
+        // Walks of short steps that turn back on themselves now and then, as outlines of a pen do.
+        let mut state = 1u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f64 / (1u64 << 24) as f64
+        };
+        for walk in 0..400 {
+            let (mut at, mut heading) = ([50.0, 50.0], 6.3 * random());
+            let mut points = vec![at];
+            for _ in 0..12 {
+                heading +=
+                    if random() < 0.2 { std::f64::consts::PI } else { 0.3 * (random() - 0.5) };
+                let step = if random() < 0.3 { 0.001 } else { 0.1 };
+                at = [at[0] + step * heading.cos(), at[1] + step * heading.sin()];
+                points.push(at);
+            }
+            let how = Fit { tolerance: 0.02, corner: 0.785, blur: 0.4 };
+            let Some(path) = fit(&points, walk % 2 == 0, &how) else { continue };
+            for p in path.points(0.01) {
+                let off = points.iter().map(|q| distance(p, *q)).fold(f64::INFINITY, f64::min);
+                assert!(off < 0.3, "walk {walk}: {off} off");
+            }
+        }
     }
 }
