@@ -27,6 +27,7 @@
 //! Not guaranteed: glossy reflection (every surface is Lambertian), and light through openings
 //! smaller than the spacing of surfels beyond the near field.
 
+mod band;
 mod bitrows;
 mod bits;
 pub mod bounce;
@@ -56,6 +57,7 @@ mod pool;
 mod receiver;
 mod recipe;
 pub mod resolve;
+mod rival;
 pub mod side;
 pub mod site;
 pub mod spread;
@@ -71,6 +73,7 @@ pub use indirect::{Indirect, Points, Prepared, indirect, prepare};
 pub use knob::{LightKnobs, OwnSky, Sampling, Storage, Teaching};
 pub use payload::{Exact, Payload};
 pub use poisson::poisson_sites;
+pub use rival::pooled_paths;
 pub use site::{Site, sites, sites_by};
 pub use spread::Spread;
 pub use surfel::{Lit, Surfel, Surfels};

@@ -35,15 +35,30 @@ pub fn shade(
     sequence: &Sequence,
     index: u32,
 ) -> NearHit {
-    let at = Vertex::of(lit.tracer, lit.surfaces, hit, direction, SPREAD * hit.t);
-    let numbers = numbers(sequence, index, 1);
-    let mut e = lit.lights.irradiance_by_one_ray(lit.tracer, lit.surfaces, &at, &numbers);
+    let (at, mut e) = self::lit(lit, hit, direction, sequence, index);
     if !reflected.irradiance.is_empty()
         && let Some((k, side)) = reflected.grid.nearest(surfels, at.position, at.side)
     {
         let more = reflected.irradiance[k as usize][side];
         (0..3).for_each(|c| e[c] += more[c]);
     }
-    let radiance = std::array::from_fn(|c| at.albedo[c] * FRAC_1_PI * e[c]);
-    NearHit { position: at.position, radiance }
+    NearHit { position: at.position, radiance: radiance(&at, e) }
+}
+
+/// What a ray met, and its irradiance by one shadow ray to one light sample.
+pub(crate) fn lit(
+    lit: &Lit,
+    hit: &Hit,
+    direction: Vec3,
+    sequence: &Sequence,
+    index: u32,
+) -> (Vertex, [f32; 3]) {
+    let at = Vertex::of(lit.tracer, lit.surfaces, hit, direction, SPREAD * hit.t);
+    let numbers = numbers(sequence, index, 1);
+    (at, lit.lights.irradiance_by_one_ray(lit.tracer, lit.surfaces, &at, &numbers))
+}
+
+/// Radiance of a Lambertian surface under an irradiance.
+pub(crate) fn radiance(at: &Vertex, irradiance: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|c| at.albedo[c] * FRAC_1_PI * irradiance[c])
 }

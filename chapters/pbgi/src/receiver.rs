@@ -6,8 +6,9 @@ use crate::field::{Field, Light};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
 use crate::near;
+use crate::surfel::Lit;
 use chiaro_basis::math::Vec3;
-use chiaro_trace::{GBuffer, Sequence, Sides, Vertex};
+use chiaro_trace::{GBuffer, Sequence, Sides, Tracer, Vertex};
 
 /// The least cosine of a surface towards the eye, for how long its pixels are.
 const LEAST_COSINE: f32 = 0.1;
@@ -60,8 +61,8 @@ impl Mix<'_> {
 }
 
 impl Receiver {
-    pub(crate) fn new<T: Hierarchy>(scene: &Prepared<T>, buffer: &GBuffer, pixel: Pixel) -> Self {
-        let at = Vertex::of_pixel(scene.lit.tracer, buffer, pixel);
+    pub(crate) fn new(tracer: &Tracer, buffer: &GBuffer, pixel: Pixel) -> Self {
+        let at = Vertex::of_pixel(tracer, buffer, pixel);
         let footprint = buffer.pose.pixel_size(buffer.depth[pixel], buffer.size().1 as f32);
         let (w, h) = buffer.size();
         let (x, y) = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
@@ -81,8 +82,7 @@ impl Receiver {
         occlusion: f32,
     ) {
         let at = self.at;
-        let seed = (self.pixel.1 << 32 | self.pixel.0) as u64;
-        let sequence = Sequence::new(seed);
+        let sequence = self.sequence();
         let origin = at.position + at.side * at.offset;
         while self.rays < until {
             let k = self.rays;
@@ -108,9 +108,32 @@ impl Receiver {
             self.hits.push(Residual { position: met.position, light });
         }
     }
+
+    /// Casts so many rays without an end, over nothing: a hit adds its radiance by one shadow ray, and
+    /// takes openness away.
+    pub(crate) fn cast_far(&mut self, lit: &Lit, lattice: &Lattice, count: u32) {
+        let (at, sequence) = (self.at, self.sequence());
+        self.rays = count;
+        for k in 0..count {
+            let direction = at.cosine_direction(lattice.point(0, k, self.pixel));
+            if direction.dot(at.side) <= 0.0 {
+                continue;
+            }
+            let ray = at.ray(direction, f32::INFINITY);
+            let Some(hit) = lit.tracer.hit(&ray, Sides::Both) else { continue };
+            let (vertex, e) = near::lit(lit, &hit, direction, &sequence, k);
+            let [r, g, b] = near::radiance(&vertex, e);
+            self.hits.push(Residual { position: vertex.position, light: [r, g, b, -1.0] });
+        }
+    }
+
+    /// Numbers for light at what its rays meet.
+    fn sequence(&self) -> Sequence {
+        Sequence::new((self.pixel.1 << 32 | self.pixel.0) as u64)
+    }
 }
 
-/// Near rays of all pixels, as points in [0, 1)^2. Each pass of a manner has an aligned piece of one
+/// Near rays of all pixels, as points in [0, 1)^2. Each net of a manner is an aligned piece of one
 /// (0, 2) sequence; the pixels of a 4 x 4 pattern share it out so that the rays of a pixel, of 2 x 2
 /// and of 4 x 4 pixels are all spread well.
 pub(crate) struct Lattice {
@@ -123,26 +146,12 @@ struct Manner {
 }
 
 impl Lattice {
-    /// For manners of so many rays after each of their passes; `shift` chooses another sequence.
-    pub(crate) fn new(manners: &[[u32; 3]], shift: u32) -> Self {
+    /// For manners whose nets end after so many rays of a pixel each; `shift` chooses another sequence.
+    pub(crate) fn new(manners: &[&[u32]], shift: u32) -> Self {
         let sequence = Sequence::new(u64::from(shift));
-        let points = |ends: &[u32; 3], pair: u32| {
-            let places = (0..(PATTERN * PATTERN) as u32).flat_map(|place| {
-                let (mut start, mut index, mut before) = (0u32, Vec::new(), 0);
-                for end in ends {
-                    let block = (end - before).next_power_of_two();
-                    let piece = block * (PATTERN * PATTERN) as u32;
-                    start = start.next_multiple_of(piece);
-                    index.extend((0..end - before).map(|j| start + place * block + j));
-                    (start, before) = (start + piece, *end);
-                }
-                index
-            });
-            places.map(|i| sequence.point(i, pair)).collect()
-        };
-        let manner = |(pair, ends): (usize, &[u32; 3])| Manner {
-            rays: ends[2] as usize,
-            points: points(ends, pair as u32),
+        let manner = |(pair, ends): (usize, &&[u32])| Manner {
+            rays: ends.last().map_or(0, |end| *end as usize),
+            points: places(ends).map(|i| sequence.point(i, pair as u32)).collect(),
         };
         Self { manners: manners.iter().enumerate().map(manner).collect() }
     }
@@ -156,28 +165,45 @@ impl Lattice {
     }
 }
 
+/// Where in the sequence the rays of each place of the pattern are.
+fn places(ends: &[u32]) -> impl Iterator<Item = u32> {
+    (0..(PATTERN * PATTERN) as u32).flat_map(move |place| {
+        let (mut start, mut index, mut before) = (0u32, Vec::new(), 0);
+        for end in ends {
+            let block = (end - before).next_power_of_two();
+            let piece = block * (PATTERN * PATTERN) as u32;
+            start = start.next_multiple_of(piece);
+            index.extend((0..end - before).map(|j| start + place * block + j));
+            (start, before) = (start + piece, *end);
+        }
+        index
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn rays_of_a_pixel_and_of_blocks_are_spread_well() {
-        let lattice = Lattice::new(&[[4, 12, 44], [8, 24, 32]], 0);
+        let lattice = Lattice::new(&[&[4, 12, 44], &[32]], 0);
         let pixels = |x: usize, y: usize, side: usize| {
             (0..side * side).map(move |i| (x + i % side, y + i / side))
         };
-        for side in [1, 2, 4] {
-            let count = 4 * side * side;
-            for (columns, rows) in [(count, 1), (count / 2, 2), (1, count)] {
+        for (manner, rays, side) in
+            [(0, 4, 1), (0, 4, 2), (0, 4, 4), (1, 8, 1), (1, 32, 1), (1, 32, 4)]
+        {
+            let count = rays * side * side;
+            for (columns, lines) in [(count, 1), (count / 2, 2), (1, count)] {
                 let mut cells = vec![0; count];
                 for pixel in pixels(4, 8, side) {
-                    for k in 0..4 {
-                        let [u, v] = lattice.point(0, k, pixel);
+                    for k in 0..rays {
+                        let [u, v] = lattice.point(manner, k as u32, pixel);
                         let at = |t: f32, n: usize| (t * n as f32) as usize;
-                        cells[at(v, rows) * columns + at(u, columns)] += 1;
+                        cells[at(v, lines) * columns + at(u, columns)] += 1;
                     }
                 }
-                assert!(cells.iter().all(|c| *c == 1), "{side}: {columns} x {rows}");
+                assert!(cells.iter().all(|c| *c == 1), "{side}: {columns} x {lines}");
             }
         }
     }

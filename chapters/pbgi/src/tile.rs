@@ -18,20 +18,20 @@
 //! Work goes down the picture in bands of tiles, so that memory does not grow with its height. The
 //! same sums tell how much of the hemisphere is open: ambient occlusion comes with the light.
 
+use crate::band::{Band, Gathered};
 use crate::cluster::{Pixel, clusters};
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::Splat;
 use crate::field::{Ball, Field, Gathering, Light};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::{Indirect, Prepared};
-use crate::pool::{self, Pooled, pool};
+use crate::pool;
 use crate::receiver::{Lattice, Mix, Receiver};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_trace::{GBuffer, Sides, Vertex};
 use rayon::prelude::*;
 use std::collections::VecDeque;
-use std::f32::consts::FRAC_1_PI;
 
 /// How a kind of tile is done.
 #[derive(Clone, Copy, Debug)]
@@ -53,8 +53,8 @@ const CALM: Manner =
     Manner { side: 16, resolution: 1.0, threshold: 1.0, reach: 1.5, rays: [4, 12, 44] };
 /// Dense detail.
 const BUSY: Manner =
-    Manner { side: 8, resolution: 2.0 / 3.0, threshold: 1.5, reach: 2.0, rays: [8, 24, 32] };
-/// The place of busy tiles' rays in the lattice.
+    Manner { side: 8, resolution: 2.0 / 3.0, threshold: 1.5, reach: 2.0, rays: [8, 32, 32] };
+/// The place of busy tiles' rays in the lattice, where all are one net: nearly all pixels need all.
 const BUSY_LATTICE: usize = 1;
 /// Pixels along a tile's side.
 const TILE: usize = CALM.side;
@@ -113,14 +113,14 @@ pub(crate) fn indirect<T: Hierarchy>(
         scene,
         buffer,
         shapes: [CALM, BUSY].map(|m| CubeShape::new(side(m))),
-        lattice: Lattice::new(&[CALM, BUSY].map(|m| rays(m, bound)), scene.shift),
+        lattice: Lattice::new(&[&rays(CALM, bound), &[rays(BUSY, bound)[2]]], scene.shift),
         columns: width.div_ceil(TILE),
         rows: height.div_ceil(TILE),
         occlusion: scene.knobs.occlusion * buffer.radius,
     };
     let mut found = Indirect::none(width, height);
     let mut tiles: VecDeque<Vec<Tile>> = VecDeque::new();
-    let mut band = Band { from: 0, rows: VecDeque::new() };
+    let mut band = Band::default();
     let (mut first, mut built, mut done) = (0, 0, 0);
     for top in (0..picture.rows).step_by(BAND) {
         let end = (top + BAND).min(picture.rows);
@@ -149,15 +149,6 @@ pub(crate) fn indirect<T: Hierarchy>(
 struct Above<'a> {
     first: usize,
     rows: &'a VecDeque<Vec<Tile>>,
-}
-
-/// A pixel that gathers, with its far light.
-type Gathered = (Receiver, Light);
-
-/// Rows of pixels with their hits, from row `from` on.
-struct Band {
-    from: usize,
-    rows: VecDeque<Vec<Option<Gathered>>>,
 }
 
 impl<T: Hierarchy> Picture<'_, '_, T> {
@@ -283,14 +274,7 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
                 Ok(self.gathered(above, (i % self.columns, start + i / self.columns)))
             })
             .collect::<Result<_>>()?;
-        let from = band.from + band.rows.len();
-        for _ in from..(rows.end * TILE).min(height) {
-            band.rows.push_back((0..width).map(|_| None).collect());
-        }
-        for one in all.into_iter().flatten() {
-            let (x, y) = one.0.pixel;
-            band.rows[y - band.from][x] = Some(one);
-        }
+        band.add(width, (rows.end * TILE).min(height), all.into_iter().flatten());
         Ok(())
     }
 
@@ -301,7 +285,7 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         let busy = above.tile(column, row).busy;
         let (manner, kind) = if busy { (BUSY, BUSY_LATTICE) } else { (CALM, 0) };
         let mut receivers: Vec<Receiver> =
-            pixels.iter().map(|p| Receiver::new(scene, buffer, *p)).collect();
+            pixels.iter().map(|p| Receiver::new(scene.lit.tracer, buffer, *p)).collect();
         let mixes: Vec<Mix> =
             receivers.iter().map(|r| self.mix(above, r.pixel, r.at.position)).collect();
         if scene.knobs.near_field {
@@ -463,77 +447,5 @@ impl<T: Hierarchy> Nodes<'_, '_, '_, T> {
         let light = picture.mix(self.above, node, at.position).irradiance(&at);
         self.kept.push((node, light));
         light
-    }
-}
-
-impl Band {
-    fn at(&self, x: isize, y: isize) -> Option<&Gathered> {
-        let row = self.rows.get(usize::try_from(y - self.from as isize).ok()?)?;
-        row.get(usize::try_from(x).ok()?)?.as_ref()
-    }
-
-    /// Pools the hits around some rows, writes what comes of them, and lets go of rows that are not
-    /// needed any more.
-    fn settle(&mut self, rows: std::ops::Range<usize>, found: &mut Indirect) {
-        let width = found.irradiance.width();
-        let step = pool::STEP as isize;
-        let columns = width.div_ceil(pool::STEP) + 1;
-        let first = rows.start as isize / step - 1;
-        let count = (rows.end as isize - 1).div_euclid(step) - first + 1;
-        let blocks: Vec<Pooled> = (0..count as usize * columns)
-            .into_par_iter()
-            .map(|i| {
-                let (x, y) =
-                    ((i % columns) as isize * step - step, (first + (i / columns) as isize) * step);
-                let side = pool::SIDE as isize;
-                pool(&std::array::from_fn(|k| {
-                    self.at(x + k as isize % side, y + k as isize / side).map(|g| &g.0)
-                }))
-            })
-            .collect();
-        for y in rows.clone() {
-            for x in 0..width {
-                let Some((_, far)) = self.at(x as isize, y as isize) else { continue };
-                let near = Self::near(&blocks, columns, first, (x, y));
-                let light: Light = std::array::from_fn(|c| (far[c] + near[c]).max(0.0));
-                found.irradiance[(x, y)] = [light[0], light[1], light[2]];
-                found.openness[(x, y)] = (light[3] * FRAC_1_PI).min(1.0);
-            }
-        }
-        let keep = rows.end.saturating_sub(pool::STEP);
-        while self.from < keep && !self.rows.is_empty() {
-            self.rows.pop_front();
-            self.from += 1;
-        }
-    }
-
-    /// The mean of the blocks over a pixel, by their weights there.
-    fn near(blocks: &[Pooled], columns: usize, first: isize, (x, y): Pixel) -> Light {
-        let (column, row) = (x / pool::STEP, (y / pool::STEP) as isize - first);
-        let mut sum = [0.0; 4];
-        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            // A block one to the left or above has the pixel in its second half.
-            let block = &blocks[(row as usize - dy) * columns + column + 1 - dx];
-            let (i, j) = (x % pool::STEP + dx * pool::STEP, y % pool::STEP + dy * pool::STEP);
-            let (weight, light) = block[j * pool::SIDE + i];
-            (0..4).for_each(|c| sum[c] += weight * light[c]);
-        }
-        sum
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_over_a_pixel_weigh_one_in_all() {
-        for x in 0..4 {
-            let one = |dx: usize| {
-                let block = pool(&[None; 16]);
-                block[x % 2 + 2 * dx].0 / 0.25
-            };
-            assert!((one(0) + one(1) - 1.0).abs() < 1e-6);
-        }
     }
 }

@@ -4,8 +4,8 @@
 
 use chiaro_basis::math::{Vec3, vec3};
 use chiaro_basis::{Run, random};
-use chiaro_image::metric;
-use chiaro_pbgi::{LightKnobs, Lit, indirect, prepare, sites};
+use chiaro_image::{Plane, metric};
+use chiaro_pbgi::{LightKnobs, Lit, indirect, pooled_paths, prepare, sites};
 use chiaro_scene::load::{Budget, Door, Up, read_scene};
 use chiaro_scene::{Pose, Poser, Projection, Scene, demo};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
@@ -28,27 +28,64 @@ fn seen(lit: Lit, run: &Run) -> GBuffer {
     GBuffer::trace(lit.tracer, lit.surfaces, camera, (48, 48), run).unwrap()
 }
 
+/// Indirect radiance by paths, one bounce.
+fn truth(lit: Lit, buffer: &GBuffer, run: &Run) -> Plane<[f32; 3]> {
+    let Lit { tracer, surfaces, lights } = lit;
+    let paths = PathTracer { tracer, surfaces, lights, bounces: 1 };
+    let mut image = PathImage::new(48, 48);
+    paths.add(&mut image, &buffer.pose, 512, Aim::Centre, run).unwrap();
+    image.indirect()
+}
+
+/// Irradiance by points.
+fn by_points(scene: &Scene, lit: Lit, knobs: &LightKnobs, run: &Run) -> Plane<[f32; 3]> {
+    let sites = sites(scene, lit.tracer.frame, knobs.surfels as usize);
+    let prepared = prepare(lit, &sites, knobs, run).unwrap();
+    indirect(&prepared, &seen(lit, run), run).unwrap().irradiance
+}
+
+/// The relative error of the radiance of an irradiance.
+fn error(irradiance: &Plane<[f32; 3]>, truth: &Plane<[f32; 3]>, buffer: &GBuffer) -> f64 {
+    let reflected =
+        |e: &[f32; 3], a: &[f32; 3]| std::array::from_fn(|c| a[c] * e[c] / std::f32::consts::PI);
+    let own = irradiance.zip(&buffer.base_colour, reflected).unwrap();
+    metric::rmse_relative(&own, truth, &buffer.covered).unwrap().unwrap()
+}
+
 /// Relative errors of indirect radiance in the Cornell box, of each knobs, one bounce.
 fn errors(all: &[LightKnobs]) -> Vec<f64> {
     in_the_box(|scene, lit, run| {
         let buffer = seen(lit, run);
-        let Lit { tracer, surfaces, lights } = lit;
-        let paths = PathTracer { tracer, surfaces, lights, bounces: 1 };
-        let mut image = PathImage::new(48, 48);
-        paths.add(&mut image, &buffer.pose, 512, Aim::Centre, run).unwrap();
-        let truth = image.indirect();
-        all.iter()
-            .map(|knobs| {
-                let sites = sites(scene, lit.tracer.frame, knobs.surfels as usize);
-                let prepared = prepare(lit, &sites, knobs, run).unwrap();
-                let found = indirect(&prepared, &buffer, run).unwrap();
-                let reflected = |e: &[f32; 3], a: &[f32; 3]| {
-                    std::array::from_fn(|c| a[c] * e[c] / std::f32::consts::PI)
-                };
-                let own = found.irradiance.zip(&buffer.base_colour, reflected).unwrap();
-                metric::rmse_relative(&own, &truth, &buffer.covered).unwrap().unwrap()
-            })
-            .collect()
+        let truth = truth(lit, &buffer, run);
+        all.iter().map(|k| error(&by_points(scene, lit, k, run), &truth, &buffer)).collect()
+    })
+}
+
+#[test]
+fn shared_gathers_agree_with_those_of_every_pixel() {
+    in_the_box(|scene, lit, run| {
+        let buffer = seen(lit, run);
+        let shared = LightKnobs { surfels: 20_000, bounces: 1, ..LightKnobs::default() };
+        let alone = LightKnobs { error_bound: 0.0, ..shared.clone() };
+        let [shared, alone] = [shared, alone].map(|k| by_points(scene, lit, &k, run));
+        let apart = metric::rmse_relative(&shared, &alone, &buffer.covered).unwrap().unwrap();
+        let sum =
+            |p: &Plane<[f32; 3]>| p.pixels().iter().flatten().map(|e| f64::from(*e)).sum::<f64>();
+        let mean = sum(&shared) / sum(&alone);
+        assert!(apart < 0.15 && (mean - 1.0).abs() < 0.03, "{apart} {mean}");
+    })
+}
+
+#[test]
+fn pooled_paths_are_near_the_truth() {
+    in_the_box(|_, lit, run| {
+        let buffer = seen(lit, run);
+        let truth = truth(lit, &buffer, run);
+        let [few, many] = [2, 64].map(|rays| {
+            let found = pooled_paths(&lit, &buffer, rays, 0, run).unwrap();
+            error(&found.irradiance, &truth, &buffer)
+        });
+        assert!(many < 0.12 && many < few, "{few} {many}");
     })
 }
 

@@ -2,7 +2,8 @@
 //! itself, and path tracing; how much tiles change when the pattern of near rays is moved.
 //!
 //! `cargo bench -p chiaro --bench light -- SCENE... [way=NAME...] [knob=value...]`. Scenes are paths
-//! or procedural ones; without any, those that need no file. Ways: tiles, shifted, pixel, paths16, paths64.
+//! or procedural ones; without any, those that need no file. Ways: tiles, shifted, pixel,
+//! pathsN, and pooledN (paths with the pools of tiles; movedN by another pattern).
 //! `size=N`, `paths=N` (half of the reference's), `pictures=FOLDER`.
 
 #![allow(clippy::print_stdout)]
@@ -66,11 +67,14 @@ fn main() {
                 show(&truth, o, &Path::new(folder).join(file));
             }
         }
-        let named = |name: &str| ways.iter().position(|w| w.name == name).map(|i| &found[i]);
-        if let (Some(a), Some(b)) = (named("tiles"), named("shifted")) {
-            let change = metric::rmse_relative(&b.irradiance, &a.irradiance, &truth.covered);
-            let change = change.expect("sizes agree").unwrap_or(0.0);
-            println!("{name}: {:.2} % change with the pattern", 100.0 * change);
+        let named =
+            |name: &str| ways.iter().position(|w| w.name.starts_with(name)).map(|i| &found[i]);
+        for pair in [["tiles", "shifted"], ["pooled", "moved"]] {
+            if let [Some(a), Some(b)] = pair.map(named) {
+                let change = metric::rmse_relative(&b.irradiance, &a.irradiance, &truth.covered);
+                let change = 100.0 * change.expect("sizes agree").unwrap_or(0.0);
+                println!("{name}, {}: {change:.2} % change with the pattern", pair[0]);
+            }
         }
     }
 }
@@ -85,9 +89,14 @@ fn way(name: &str, knobs: &LightKnobs) -> Way {
     };
     let (knobs, paths) = match name {
         "pixel" => (per_pixel, None),
-        _ => (knobs.clone(), name.strip_prefix("paths").map(|n| n.parse().expect("paths"))),
+        _ => {
+            let number = ["paths", "pooled", "moved"].iter().find_map(|w| name.strip_prefix(w));
+            (knobs.clone(), number.map(|n| n.parse().expect("paths")))
+        }
     };
-    Way { name: name.into(), knobs, paths, shift: u32::from(name == "shifted") }
+    let moved = name.starts_with("moved");
+    let pooled = moved || name.starts_with("pooled");
+    Way { name: name.into(), knobs, paths, pooled, shift: u32::from(moved || name == "shifted") }
 }
 
 /// The truth, the picture, and ten times their difference round grey, side by side.

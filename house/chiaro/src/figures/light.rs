@@ -25,6 +25,7 @@ const PLOT: (usize, usize) = (480, 360);
 const SECONDS: [f64; 2] = [0.05, 100.0];
 const ERRORS: [f64; 2] = [0.01, 1.0];
 const BLUE: Colour = [0.1, 0.3, 0.8];
+const GREEN: Colour = [0.1, 0.55, 0.2];
 
 /// Pictures of one scene by every pixel's own gather, with all rules and with each left out, and
 /// tiles; each beside ten times its difference from the truth.
@@ -39,7 +40,13 @@ pub(super) fn rules(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Val
         ("shared by tiles", usual.clone()),
         ("the same without near rays", LightKnobs { near_field: false, ..usual }),
     ];
-    let ways = ways.map(|(name, knobs)| Way { name: name.into(), knobs, paths: None, shift: 0 });
+    let ways = ways.map(|(name, knobs)| Way {
+        name: name.into(),
+        knobs,
+        paths: None,
+        pooled: false,
+        shift: 0,
+    });
     let (truth, found) = measured(scene, SMALL, &ways, run)?;
     for (way, outcome) in ways.iter().zip(&found) {
         let text = format!("{}: {:.1} %", way.name, 100.0 * outcome.error);
@@ -49,28 +56,41 @@ pub(super) fn rules(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Val
     Ok(ways.iter().zip(&found).map(|(w, o)| value(scene, w, o)).collect())
 }
 
-/// Error over processor time of tiles at several error bounds, and of plain path tracing.
+/// Error over processor time of tiles at several error bounds, of plain path tracing, and of path
+/// tracing whose hits are pooled as those of tiles are.
 pub(super) fn curves(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Value>> {
     let usual = LightKnobs { bounces: 1, sky: OwnSky::None, ..LightKnobs::default() };
     let tiles = [0.4, 0.2, 0.1, 0.05, 0.025].map(|error_bound| Way {
         name: format!("tiles, error_bound {error_bound}"),
         knobs: LightKnobs { error_bound, ..usual.clone() },
         paths: None,
+        pooled: false,
         shift: 0,
     });
-    let paths = [2, 8, 32, 128, 512].map(|n| Way {
-        name: format!("{n} paths"),
+    let paths = |name: &str, pooled: bool, n: u32| Way {
+        name: format!("{n} {name}"),
         knobs: usual.clone(),
         paths: Some(n),
+        pooled,
         shift: 0,
-    });
-    let ways: Vec<Way> = tiles.into_iter().chain(paths).collect();
+    };
+    let plain = [2, 8, 32, 128, 512].map(|n| paths("paths", false, n));
+    let pooled = [2, 8, 32, 128].map(|n| paths("pooled paths", true, n));
+    let ends = [tiles.len(), tiles.len() + plain.len()];
+    let ways: Vec<Way> = tiles.into_iter().chain(plain).chain(pooled).collect();
     let (_, found) = measured(scene, TIMED, &ways, run)?;
-    let (by_tiles, by_paths) = found.split_at(ways.len() - 5);
+    let by_tiles = &found[..ends[0]];
     let name = scene.rsplit(['/', ':']).next().unwrap_or(scene);
     let best = by_tiles.iter().map(|o| o.error).fold(f64::INFINITY, f64::min);
-    let text = format!("{name}: red tiles, blue paths; least of tiles {:.1} %", 100.0 * best);
-    sheet.add(plot(by_tiles, by_paths).done(), text);
+    let text = format!(
+        "{name}: red tiles, blue paths, green pooled paths; least of tiles {:.1} %",
+        100.0 * best
+    );
+    sheet.add(
+        plot(&[(by_tiles, RED), (&found[ends[0]..ends[1]], BLUE), (&found[ends[1]..], GREEN)])
+            .done(),
+        text,
+    );
     Ok(ways.iter().zip(&found).map(|(w, o)| value(scene, w, o)).collect())
 }
 
@@ -114,7 +134,7 @@ fn difference(truth: &Truth, picture: &Plane<[f32; 3]>) -> Plane<[u8; 3]> {
 }
 
 /// Error upwards and seconds to the right, both logarithmic; lines at each power of ten.
-fn plot(tiles: &[Outcome], paths: &[Outcome]) -> Canvas {
+fn plot(series: &[(&[Outcome], Colour)]) -> Canvas {
     let mut canvas = Canvas::new(PLOT);
     let line = |points: Vec<[f32; 2]>| Polyline { points, closed: false };
     let log = |v: f64, [low, high]: [f64; 2]| ((v / low).ln() / (high / low).ln()).clamp(0.0, 1.0);
@@ -131,13 +151,13 @@ fn plot(tiles: &[Outcome], paths: &[Outcome]) -> Canvas {
         grid.push(line(vec![at(seconds, ERRORS[0]), at(seconds, ERRORS[1])]));
     }
     canvas.lines(&grid, 0.6, GREY);
-    for (some, colour) in [(tiles, RED), (paths, BLUE)] {
+    for (some, colour) in series {
         let points: Vec<[f32; 2]> =
             some.iter().map(|o| at(o.seconds.iter().sum(), o.error.max(ERRORS[0]))).collect();
         for p in &points {
             canvas.lines(&[line(vec![*p, [p[0] + 0.01, p[1]]])], 6.0, BLACK);
         }
-        canvas.lines(&[line(points)], 1.8, colour);
+        canvas.lines(&[line(points)], 1.8, *colour);
     }
     canvas
 }

@@ -11,7 +11,7 @@ use crate::project::Project;
 use chiaro_basis::{Error, Result, Run, random};
 use chiaro_image::Plane;
 use chiaro_pbgi::surfel::Lit;
-use chiaro_pbgi::{LightKnobs, indirect, prepare, sites_by};
+use chiaro_pbgi::{LightKnobs, indirect, pooled_paths, prepare, sites_by};
 use chiaro_trace::path::PathTracer;
 use chiaro_trace::{GBuffer, Sequence, Vertex};
 use std::f32::consts::PI;
@@ -25,8 +25,10 @@ pub struct Way {
     pub name: String,
     /// Its knobs.
     pub knobs: LightKnobs,
-    /// Paths a pixel of plain path tracing instead of points.
+    /// Paths a pixel instead of points.
     pub paths: Option<u32>,
+    /// Whether paths are pooled over neighbours as near rays are; one bounce.
+    pub pooled: bool,
     /// Moves the pattern of near rays.
     pub shift: u32,
 }
@@ -98,6 +100,10 @@ fn tried(
         .map(|way| {
             let start = processor_seconds();
             let (irradiance, gathers, prepared) = match way.paths {
+                Some(count) if way.pooled => {
+                    let found = pooled_paths(lit, buffer, count, way.shift, run)?;
+                    (found.irradiance, 0, start)
+                }
                 Some(count) => (by_paths(lit, buffer, way.knobs.bounces, count, 3, run)?, 0, start),
                 None => {
                     let sites = sites_by(&way.knobs, &project.scene, frame);
