@@ -72,7 +72,7 @@ fn shared_gathers_agree_with_those_of_every_pixel() {
         let sum =
             |p: &Plane<[f32; 3]>| p.pixels().iter().flatten().map(|e| f64::from(*e)).sum::<f64>();
         let mean = sum(&shared) / sum(&alone);
-        assert!(apart < 0.15 && (mean - 1.0).abs() < 0.03, "{apart} {mean}");
+        assert!(apart < 0.15 && (mean - 1.0).abs() < 0.05, "{apart} {mean}");
     })
 }
 
