@@ -1,12 +1,15 @@
 //! [`Beside`]: lines that run beside a stronger one, so close that the two are one line on paper.
 //!
 //! A bevel's creases under its outline, a crease of a scan along its rim: a pen would draw the same
-//! line twice. Lines are told in the order of their strength; each is asked against those before.
+//! line twice. So it would where a rod is thinner than the pen: its outline comes back beside itself. Lines are
+//! told in the order of their strength; each is asked against those before, and against what it was itself
+//! some pixels ago.
 
+use crate::join::Line;
 use crate::path::{Path, Place};
 use crate::visibility::Run;
 use chiaro_basis::math::DVec2;
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 
 /// Cosine of the greatest angle between lines that run beside each other.
 const ALONG: f64 = 0.87;
@@ -14,6 +17,11 @@ const ALONG: f64 = 0.87;
 const STEP: f64 = 1.0;
 /// Lines that only cross others are beside them for less than this, pixels.
 const CROSSING: f64 = 5.0;
+
+/// Places that are between a place and those that it is asked against on its own line.
+const AGO: usize = 12;
+/// Least side of a square, pixels.
+const CELL: f64 = 4.0;
 
 /// The lines told so far, in squares of the picture.
 pub(crate) struct Beside {
@@ -28,7 +36,7 @@ impl Beside {
     }
 
     fn cell(&self, p: DVec2) -> (i32, i32) {
-        let c = (p / self.near.max(1.0)).floor();
+        let c = (p / self.near.max(CELL)).floor();
         (c.x as i32, c.y as i32)
     }
 
@@ -38,13 +46,17 @@ impl Beside {
             return;
         }
         for (_, at, along) in places(path, run) {
-            self.cells.entry(self.cell(at)).or_default().push((at, along));
+            self.put(at, along);
         }
     }
 
+    fn put(&mut self, at: DVec2, along: DVec2) {
+        self.cells.entry(self.cell(at)).or_default().push((at, along));
+    }
+
     fn holds(&self, at: DVec2, along: DVec2) -> bool {
-        let (x, y) = self.cell(at);
-        (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| (x, y))).any(|cell| {
+        let [(x0, y0), (x1, y1)] = [-self.near, self.near].map(|d| self.cell(at + d));
+        (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| (x, y))).any(|cell| {
             self.cells.get(&cell).is_some_and(|there| {
                 there.iter().any(|(p, d)| {
                     p.distance_squared(at) <= self.near * self.near && d.dot(along).abs() >= ALONG
@@ -66,6 +78,10 @@ impl Beside {
     /// What is left of a run, and what is not.
     pub(crate) fn parted(&self, path: &Path, run: Run) -> (Vec<Run>, Vec<[Place; 2]>) {
         let (mut left, mut gone) = (Vec::new(), Vec::new());
+        if self.near <= 0.0 {
+            return (vec![run], gone);
+        }
+        let (mut own, mut recent) = (Self::new(self.near), VecDeque::new());
         let mut since: Option<Place> = None;
         let mut start = run.start;
         let mut close = |since: Option<Place>, end: Place, start: &mut Place| {
@@ -80,7 +96,12 @@ impl Beside {
             *start = end;
         };
         for (place, at, along) in places(path, run) {
-            match (self.holds(at, along), since) {
+            let held = self.holds(at, along) || own.holds(at, along);
+            recent.push_back((at, along, held));
+            if recent.len() > AGO {
+                recent.pop_front().filter(|r| !r.2).into_iter().for_each(|r| own.put(r.0, r.1));
+            }
+            match (held, since) {
                 (true, None) => since = Some(place),
                 (false, Some(_)) => close(since.take(), place, &mut start),
                 _ => {}
@@ -90,7 +111,59 @@ impl Beside {
         if start < run.end {
             left.push(Run { start, end: run.end });
         }
+        let n = path.segments.len() as f64;
+        if path.closed && !gone.is_empty() {
+            // A whole loop goes on from its end to its start.
+            let around = run.end - run.start >= n && left.len() > 1;
+            if around && left[0].start == run.start && left[left.len() - 1].end == run.end {
+                let first = left.remove(0);
+                left.last_mut().expect("there is one").end = first.end + n;
+            }
+            let wrapped = |r: Run| match r.start >= n {
+                true => Run { start: r.start - n, end: r.end - n },
+                false => r,
+            };
+            left = left.into_iter().map(wrapped).collect();
+            gone.iter_mut().filter(|g| g[0] >= n).for_each(|g| *g = g.map(|p| p - n));
+        }
         (left, gone)
+    }
+
+    /// What is left of a line of several parts, in pieces; what is not is added to `gone`.
+    pub(crate) fn parted_line(
+        &self,
+        paths: &[Path],
+        line: Line,
+        gone: &mut Vec<(usize, Run)>,
+    ) -> Vec<Line> {
+        let parts = line.parts.iter().map(|(i, run)| (*i, *run, self.parted(&paths[*i], *run)));
+        let parts: Vec<_> = parts.collect();
+        if parts.iter().all(|p| p.2.1.is_empty()) {
+            return vec![line];
+        }
+        let mut lines: Vec<Vec<(usize, Run)>> = vec![Vec::new()];
+        for (i, run, (left, lost)) in parts {
+            gone.extend(lost.iter().map(|[start, end]| (i, Run { start: *start, end: *end })));
+            if left.first().is_none_or(|l| l.start != run.start) {
+                lines.push(Vec::new());
+            }
+            for (k, piece) in left.iter().enumerate() {
+                if k > 0 {
+                    lines.push(Vec::new());
+                }
+                lines.last_mut().expect("there is one").push((i, *piece));
+            }
+            if left.last().is_some_and(|l| l.end != run.end) {
+                lines.push(Vec::new());
+            }
+        }
+        if line.closed && lines.len() > 1 {
+            let mut last = lines.pop().expect("there are two");
+            last.append(&mut lines[0]);
+            lines[0] = last;
+        }
+        lines.retain(|l| !l.is_empty());
+        lines.into_iter().map(|parts| Line { parts, closed: false }).collect()
     }
 }
 

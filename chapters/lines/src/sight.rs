@@ -9,6 +9,7 @@ use crate::contour::Scenery;
 use crate::cover::Cover;
 use crate::mask::Masks;
 use crate::surface::{NONE, Surface};
+use crate::view::Seen;
 use chiaro_basis::math::DVec2;
 
 /// Side of a tile in pixels.
@@ -31,6 +32,8 @@ pub struct Sight<'a> {
     bounds: Vec<Bounds>,
     masks: &'a Masks,
     cover: Option<Cover>,
+    /// Whether there is more than one connected piece.
+    several: bool,
 }
 
 /// Least and greatest picture position of a face, and its least depth; a little too wide.
@@ -108,7 +111,8 @@ impl<'a> Sight<'a> {
                 at[t] += 1;
             });
         }
-        Self { surface, vertices, rim, columns, rows, start, faces, bounds, masks, cover }
+        let several = surface.pieces.iter().any(|p| *p != 0);
+        Self { surface, vertices, rim, columns, rows, start, faces, bounds, masks, cover, several }
     }
 
     /// Whether a picture position is in holes of all of these faces ([`NONE`] left out).
@@ -145,9 +149,22 @@ impl<'a> Sight<'a> {
         self.cover.as_ref().is_some_and(|c| c.hides(at, depth))
     }
 
-    /// Whether some face other than `own` hides what is at a picture position, at least `slack`
-    /// (scene units) nearer than `depth`. Far outside the picture nothing is hidden.
-    pub fn hidden(&self, at: DVec2, depth: f64, slack: f64, own: &[u32]) -> bool {
+    /// Whether some face other than `own` hides a point, at least `slack` (scene units) nearer than it is; a point
+    /// `pushed` out of the surface for faces of its own piece, where it is for those of others: what stands on a
+    /// floor is not pushed into it. Far outside the picture nothing is hidden.
+    pub fn hidden(&self, [pushed, plain]: [Seen; 2], slack: f64, own: &[u32; 2]) -> bool {
+        let pieces = &self.surface.pieces;
+        let of = |f: &u32| pieces.get(*f as usize).copied();
+        let own_piece = own.iter().find_map(of);
+        if pushed == plain || own_piece.is_none() || !self.several {
+            return self.hides(pushed, slack, |f| !own.contains(&f));
+        }
+        self.hides(pushed, slack, |f| !own.contains(&f) && of(&f) == own_piece)
+            || self.hides(plain, slack, |f| of(&f) != own_piece)
+    }
+
+    /// Whether some face that `counts` is in front of a point.
+    fn hides(&self, Seen { at, depth }: Seen, slack: f64, counts: impl Fn(u32) -> bool) -> bool {
         let rim = self.rim as f64;
         let (tx, ty) = ((at.x / TILE).floor() + rim, (at.y / TILE).floor() + rim);
         if !(tx >= 0.0 && ty >= 0.0 && tx < self.columns as f64 && ty < self.rows as f64) {
@@ -161,7 +178,7 @@ impl<'a> Sight<'a> {
         let (place, far) = ([at.x as f32, at.y as f32], (depth * (1.0 + WIDER)) as f32);
         let faces = self.faces[range.clone()].iter().zip(&self.bounds[range]);
         faces.filter(|(_, bounds)| bounds.may_hide(place, far)).any(|(f, _)| {
-            !own.contains(f) && self.depth(*f, at).is_some_and(|z| z > 0.0 && z < depth - slack)
+            counts(*f) && self.depth(*f, at).is_some_and(|z| z > 0.0 && z < depth - slack)
         })
     }
 

@@ -109,12 +109,15 @@ pub fn visible(
         .collect();
     let mut beside = Beside::new(limits.beside);
     let outlines = joined(paths, seen, limits.gap, view);
-    visible.lines = kept(paths, outlines, limits, drawn(Kind::Silhouette).then_some(&mut beside));
+    let mut gone = Vec::new();
+    let drawn_beside = drawn(Kind::Silhouette).then_some(&mut beside);
+    visible.lines = kept(paths, outlines, limits, drawn_beside, &mut gone);
     let parts = visible.lines.iter().flat_map(|l| &l.parts);
     if drawn(Kind::Silhouette) {
         taken.extend(parts.flat_map(|(i, r)| edges(&paths[*i], r.start, r.end)));
     }
     visible.beside = vec![Vec::new(); paths.len()];
+    gone.into_iter().for_each(|(i, run)| visible.beside[i].push(run));
     for i in others {
         for run in look(i, &taken, &mut visible) {
             let (left, gone) = beside.parted(&paths[i], run);
@@ -157,35 +160,37 @@ fn strength(kind: Kind) -> usize {
     Kind::ALL.iter().rev().position(|k| *k == kind).unwrap_or(0)
 }
 
-/// Lines without those that are too short, or short and beside a longer one.
+/// Lines without those that are too short, or short and beside a longer one; of others without what is beside a
+/// longer one, which is added to `gone`.
 fn kept(
     paths: &[Path],
-    lines: Vec<Line>,
+    mut lines: Vec<Line>,
     limits: &Limits,
-    mut beside: Option<&mut Beside>,
+    beside: Option<&mut Beside>,
+    gone: &mut Vec<(usize, Run)>,
 ) -> Vec<Line> {
+    let seen = |l: &Line| l.total(paths) >= limits.run;
+    let Some(beside) = beside else { return lines.into_iter().filter(seen).collect() };
     let long = |l: &Line| l.total(paths) >= SHORT * limits.run;
-    let tell = |beside: &mut Option<&mut Beside>, line: &Line| {
-        if let Some(b) = beside {
-            line.parts.iter().for_each(|(i, run)| b.tell(&paths[*i], *run));
+    lines.retain(seen);
+    // Sorting is stable: among equals the first stays first.
+    lines.sort_by(|a, b| b.total(paths).total_cmp(&a.total(paths)));
+    let mut kept = Vec::new();
+    for line in lines {
+        let shares = line.parts.iter().map(|(i, run)| beside.share(&paths[*i], *run));
+        if !long(&line) && shares.fold(1.0, f64::min) >= MOSTLY {
+            continue;
         }
-    };
-    lines.iter().filter(|l| long(l)).for_each(|l| tell(&mut beside, l));
-    let mut stays = |line: &Line| {
-        if long(line) {
-            return true;
+        let left = match long(&line) {
+            true => beside.parted_line(paths, line, gone),
+            false => vec![line],
+        };
+        for line in left.into_iter().filter(seen) {
+            line.parts.iter().for_each(|(i, run)| beside.tell(&paths[*i], *run));
+            kept.push(line);
         }
-        let alone = beside.as_ref().is_none_or(|b| {
-            let shares = line.parts.iter().map(|(i, run)| b.share(&paths[*i], *run));
-            shares.fold(1.0, f64::min) < MOSTLY
-        });
-        let stays = line.total(paths) >= limits.run && alone;
-        if stays {
-            tell(&mut beside, line);
-        }
-        stays
-    };
-    lines.into_iter().filter(|l| stays(l)).collect()
+    }
+    kept
 }
 
 /// A crease as the pair of faces beside it.
@@ -322,12 +327,15 @@ impl Looker<'_> {
 
     fn sees(&self, place: Place) -> bool {
         let point = self.path.point(place);
-        let Some(seen) = self.view.see(point.pushed) else { return false };
+        let (Some(seen), Some(plain)) = (self.view.see(point.pushed), self.view.see(point.world))
+        else {
+            return false;
+        };
         let k = (place as usize).min(self.path.segments.len() - 1);
         let own = &self.path.segments[k].own;
         let slack = if point.pushed == point.world { EDGE_SLACK } else { SLACK };
         (self.path.fringe || !self.sight.in_hole(seen.at, own))
-            && !self.sight.hidden(seen.at, seen.depth, slack * seen.depth, own)
+            && !self.sight.hidden([seen, plain], slack * seen.depth, own)
     }
 }
 

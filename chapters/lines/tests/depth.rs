@@ -205,3 +205,61 @@ fn what_a_wall_hides_does_not_show_at_the_edge_of_the_picture() {
     assert!(strokes(&positions[..bare as usize], &triangles[..open]).iter().any(crosses));
     assert_eq!(strokes(&positions, &triangles), []);
 }
+
+#[test]
+fn what_stands_on_a_floor_is_drawn_where_it_stands() {
+    // A coarse ball, flat where it stands: its outline there is hardly above the floor.
+    let (n, m) = (32u32, 8u32);
+    let tau = std::f32::consts::TAU;
+    let place = |k: u32| {
+        let (i, j) = ((k % n) as f32 / n as f32, ((k / n) as f32 + 0.5) / m as f32);
+        let (u, v) = (tau * i, 0.5 * tau * j);
+        0.5 * vec3(u.cos() * v.sin(), v.cos(), u.sin() * v.sin())
+    };
+    let mut positions: Vec<Vec3> = (0..n * m).map(place).collect();
+    let low = positions.iter().map(|p| p.y).fold(0.0, f32::min);
+    let at = |i: u32, j: u32| j * n + i % n;
+    let cells = (0..m - 1).flat_map(|j| (0..n).map(move |i| (i, j)));
+    let mut triangles: Vec<[u32; 3]> = cells
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let (bare, ball) = (positions.len() as u32, triangles.len());
+    let corners = [(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)];
+    positions.extend(corners.map(|(x, z)| vec3(x, low, z)));
+    triangles.extend([[0, 2, 1], [0, 3, 2]].map(|t: [u32; 3]| t.map(|v| v + bare)));
+    let low_part = |triangles: &[[u32; 3]]| {
+        let scene = scene(positions.clone(), triangles.to_vec(), false);
+        let still = frame(&scene);
+        let at = |_| (still.clone(), view(vec3(0.2, 0.2, 3.0)));
+        let knobs =
+            LinesKnobs { border: false, crease: false, subdivide: 0, ..LinesKnobs::default() };
+        let reel = Reel { scene: &scene, count: 1, at: &at };
+        let film = Film::of(&reel, &knobs, &Run::default()).expect("it ends");
+        let part = |s: &chiaro_lines::Stroke| {
+            let low = s.samples.iter().filter(|p| p.world.y < -0.4).count();
+            s.total() * low as f64 / s.samples.len() as f64
+        };
+        film.frames[0].strokes.iter().map(part).sum::<f64>()
+    };
+    let (standing, lone) = (low_part(&triangles), low_part(&triangles[..ball]));
+    assert!(lone > 45.0 && standing > 0.9 * lone, "{standing} {lone}");
+}
+
+#[test]
+fn a_rod_thinner_than_a_pen_is_drawn_once() {
+    let rod = |across: f32| {
+        let (mut positions, triangles) = cube();
+        positions.iter_mut().for_each(|p| *p *= vec3(1.0, across, across));
+        let scene = scene(positions, triangles, true);
+        let still = frame(&scene);
+        let at = |_| (still.clone(), view(vec3(0.0, 1.0, 5.0)));
+        let reel = Reel { scene: &scene, count: 1, at: &at };
+        let film = Film::of(&reel, &LinesKnobs::default(), &Run::default()).expect("it ends");
+        film.frames[0].strokes.iter().map(|s| s.total()).sum::<f64>()
+    };
+    let (thin, thick) = (rod(0.001), rod(0.1));
+    assert!(thin > 100.0 && thin < 0.5 * thick, "{thin} {thick}");
+}

@@ -5,6 +5,8 @@
 //! 2. The midpoint of a smooth edge is that of the curved triangle over it (Vlachos et al. 2001):
 //!    m = (a + b) / 2 - ((b - a) . n_a n_a + (a - b) . n_b n_b) / 8, with n the mean of the faces
 //!    around, weighed by area: small bevels then leave large flat faces flat.
+//!    It moves no farther than a share of the height of the faces beside the edge: across a narrow strip normals
+//!    may turn by much, and would throw its long edges far out of it.
 //! 3. Creases and borders are curves of their own (a cubic through their points), so that the two
 //!    sides of a crease stay together; where they bend, end or meet they are straight up to a corner.
 //!
@@ -17,6 +19,11 @@ use std::collections::{BTreeMap, HashMap};
 
 /// A crease that turns by more than this at a point has a corner there: cosine of 50 degrees.
 const CORNER: f64 = 0.64;
+
+/// The share of a curved triangle's middle that is bent.
+const BEND: f64 = 0.125;
+/// How far the middle of a smooth edge may move, in parts of the least height of the faces beside it.
+const LIFT: f64 = 0.2;
 
 /// A shape's triangles with their neighbours; half-edge 3 f + c runs from corner c of face f to
 /// the next.
@@ -72,8 +79,8 @@ struct Middle {
 
 #[derive(Clone, Copy, Debug)]
 enum Curve {
-    /// Bent by the normals at its ends.
-    Smooth([u32; 2]),
+    /// Bent by the normals at its ends, by so many parts of its length at most.
+    Smooth([u32; 2], f32),
     /// Bent by the points before and after; [`NONE`] at corners.
     Sharp([u32; 2]),
 }
@@ -120,7 +127,8 @@ impl Level {
         for half in 0..net.mate.len() as u32 {
             if middle[half as usize] == NONE {
                 let number = (points.len() + this.middles.len()) as u32;
-                let at = this.middle(net, half, &beyond, (&mut shared, number));
+                let lift = lift(net, half, points);
+                let at = this.middle(net, (half, lift), &beyond, (&mut shared, number));
                 middle[half as usize] = at;
                 let mate = net.mate[half as usize];
                 if mate != NONE {
@@ -136,7 +144,7 @@ impl Level {
     fn middle(
         &mut self,
         net: &Net,
-        half: u32,
+        (half, lift): (u32, f64),
         beyond: &dyn Fn(u32, u32) -> u32,
         (shared, number): (&mut HashMap<[u32; 2], u32>, u32),
     ) -> u32 {
@@ -144,7 +152,7 @@ impl Level {
         let h = half as usize;
         if net.mate[h] != NONE && !net.hard[h] {
             let of = |x: u32| self.sectors[x as usize / 3][x as usize % 3];
-            let curve = Curve::Smooth([of(half), of(next(half))]);
+            let curve = Curve::Smooth([of(half), of(next(half))], lift as f32);
             self.middles.push(Middle { ends: [a, b], curve });
             return number;
         }
@@ -167,10 +175,11 @@ impl Level {
         for middle in &self.middles {
             let [a, b] = middle.ends.map(|v| points[v as usize]);
             let bent = match middle.curve {
-                Curve::Smooth(sectors) => {
+                Curve::Smooth(sectors, lift) => {
                     let [m, n] = sectors.map(|s| normals[s as usize]);
                     let d = b - a;
-                    n * d.dot(n) - m * d.dot(m)
+                    let bent = n * d.dot(n) - m * d.dot(m);
+                    bent.clamp_length_max(f64::from(lift) * d.length() / BEND)
                 }
                 Curve::Sharp([before, after]) => {
                     let tangent = |from: u32, to: u32, or: DVec3| match (from, to) {
@@ -184,9 +193,22 @@ impl Level {
                     tangent(before, middle.ends[1], d) - tangent(middle.ends[0], after, d)
                 }
             };
-            points.push(0.5 * (a + b) + 0.125 * bent);
+            points.push(0.5 * (a + b) + BEND * bent);
         }
     }
+}
+
+/// How far the middle of an edge may move, in parts of its length: faces' heights over it are twice their area
+/// by their longest side.
+fn lift(net: &Net, half: u32, points: &[DVec3]) -> f64 {
+    let [a, b] = ends(net, half).map(|v| points[v as usize]);
+    let height = |h: u32| {
+        let [p, q, r] = net.triangles[h as usize / 3].map(|v| points[v as usize]);
+        let longest = p.distance(q).max(q.distance(r)).max(r.distance(p));
+        (q - p).cross(r - p).length() / longest.max(1e-300)
+    };
+    let sides = [half, net.mate[half as usize]].into_iter().filter(|h| *h != NONE);
+    LIFT * sides.map(height).fold(f64::INFINITY, f64::min) / a.distance(b).max(1e-300)
 }
 
 fn ends(net: &Net, half: u32) -> [u32; 2] {
