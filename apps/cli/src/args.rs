@@ -128,8 +128,8 @@ pub(crate) enum Command {
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
         /// Which: 2.3, 3.4 to 3.16, table-3.1, 4.1 to 4.15, 4.events, 4.lines, 4.textures,
-        /// 4.styles, 4.character, 6.1, 6.5 to 6.10, 6.rate, table-6.1 to table-6.3, baselines,
-        /// flicker, methods, strokes; none means all but 6.rate and the last three.
+        /// 4.styles, 4.character, 6.1, 6.5 to 6.10, 6.rate, 6.books, table-6.1 to table-6.3, baselines,
+        /// flicker, methods, strokes; none means all but 6.rate, 6.books and the last three.
         names: Vec<String>,
         /// A scene for the figures of chapter 6 and for baselines, flicker, methods and strokes, which
         /// lay ways side by side; may be repeated.

@@ -3,6 +3,7 @@
 //! Any code gives some finite number, so that bytes from a file need no checks.
 
 use chiaro_basis::math::{Vec3, vec3};
+use std::sync::LazyLock;
 
 /// A positive number under twice `top` in 16 bits: 64 octaves, ten bits for each; 0 stays 0.
 pub(crate) fn float16(value: f32, top: f32) -> u16 {
@@ -47,14 +48,18 @@ pub(crate) fn encode_colour(colour: [f32; 3], gain: f32) -> u64 {
     step.min(255.0) as u64 | r << 8 | g << 14
 }
 
+/// Sums of colours over their gain, by step.
+static SUMS: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|step| ((step as f32 - 255.0) / STEPS_AN_OCTAVE).exp2()));
+
 /// The colour of a code.
 pub(crate) fn colour_of(code: u64, gain: f32) -> [f32; 3] {
     let step = code & 255;
     if step == 0 {
         return [0.0; 3];
     }
-    let sum = gain * ((step as f32 - 255.0) / STEPS_AN_OCTAVE).exp2();
-    let share = |shift: u32| ((code >> shift & 63) as f32 / 63.0).powi(2);
+    let sum = gain * SUMS[step as usize];
+    let share = |shift: u32| ((code >> shift & 63) as f32 * (1.0 / 63.0)).powi(2);
     let (r, g) = (share(8), share(14));
     let b = (1.0 - r - g).max(0.0);
     let all = sum / (r + g + b);

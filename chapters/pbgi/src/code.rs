@@ -174,13 +174,11 @@ impl Book {
         };
         let mut light = [0.0f32; LIGHT];
         for (table, words) in self.light.iter().zip(&recipe.light) {
-            let word = table.word(next(*words));
-            light.iter_mut().zip(word).for_each(|(l, w)| *l += w);
+            add(&mut light, table.word(next(*words)));
         }
         let mut disc = [0.0f32; AREA];
         for (table, words) in self.area.iter().zip(&recipe.area) {
-            let word = table.word(next(*words));
-            disc.iter_mut().zip(word).for_each(|(l, w)| *l += w);
+            add(&mut disc, table.word(next(*words)));
         }
         let scale = if recipe.by_area { area } else { 1.0 };
         let stride = if recipe.gains == Gains::Shape { 0 } else { AREA };
@@ -221,6 +219,15 @@ impl Book {
         let words = |t: &[Table]| t.iter().map(|t| 4 * t.words.len()).sum::<usize>();
         // Each word lies twice: as it is read, and as it is searched.
         2 * (words(&self.light) + words(&self.area))
+    }
+}
+
+/// Adds a word, which is as long as the sum or shorter.
+fn add<const N: usize>(sum: &mut [f32; N], word: &[f32]) {
+    match word.first_chunk::<N>() {
+        // Of a length that is known, so that the compiler can use vectors.
+        Some(word) => sum.iter_mut().zip(word).for_each(|(s, w)| *s += w),
+        None => sum.iter_mut().zip(word).for_each(|(s, w)| *s += w),
     }
 }
 
@@ -353,7 +360,7 @@ fn frame(axis: Vec3) -> Mat3 {
 }
 
 /// The series in a frame: band by band, as a number, a vector and a symmetric matrix.
-fn turned(sh: &Sh, world_from_local: &Mat3) -> Sh {
+pub(crate) fn turned(sh: &Sh, world_from_local: &Mat3) -> Sh {
     const A: f32 = 1.092_548_4;
     const B: f32 = 0.315_391_57;
     let m = world_from_local.transpose();

@@ -14,22 +14,22 @@
 //! Numbers that bytes name are clamped to what is there: any bytes give some picture.
 
 use crate::bits::{
-    axis_of, colour_of, encode_axis, encode_colour, float16, float16_above, from_float16,
-    from_grid, from_octahedral, grid, octahedral,
+    axis_of, colour_of, encode_axis, encode_colour, float16, float16_above, from_float16, grid,
+    octahedral,
 };
 use crate::code::{Book, Decoded, Lobes, Pen, Recipe};
 use crate::curve::Cube;
 use crate::file;
 use crate::packed::{
-    BLOCK, FAN, PART, PART_LEVELS, Packed, Record, Store, Stored, Sums, counts, crown, leaf_radius,
-    part,
+    BLOCK, FAN, PART, PART_LEVELS, Packed, Places, Record, Spheres, Store, Stored, Sums, counts,
+    crown, leaf_radius, part,
 };
 use crate::tree::Node;
 use chiaro_basis::Result;
 use chiaro_basis::math::{Vec3, vec3};
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Bytes of a node before its code.
 const HEAD: usize = 19;
@@ -38,6 +38,10 @@ const RECORD: usize = 8;
 const BLOCK_BYTES: usize = BLOCK * RECORD + 2;
 /// Blocks of a part.
 const PART_BLOCKS: usize = PART / BLOCK;
+
+/// Areas over a block's mean, quarters of an octave apart.
+static RATIOS: LazyLock<[f32; 16]> =
+    LazyLock::new(|| std::array::from_fn(|i| ((i as f32 - 8.0) / 4.0).exp2()));
 
 /// Bytes that live as long as something holds them: built here, or mapped from a file.
 pub type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
@@ -175,16 +179,22 @@ fn signed(byte: u8) -> f32 {
     f32::from(byte as i8)
 }
 
+/// The bytes of a number.
+#[inline]
+fn number<const N: usize>(bytes: &[u8], at: usize) -> &[u8; N] {
+    bytes[at..].first_chunk().unwrap_or(&[0; N])
+}
+
 fn u16_at(bytes: &[u8], at: usize) -> u16 {
-    u16::from_le_bytes([bytes[at], bytes[at + 1]])
+    u16::from_le_bytes(*number(bytes, at))
 }
 
 fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
+    u32::from_le_bytes(*number(bytes, at))
 }
 
 fn u64_at(bytes: &[u8], at: usize) -> u64 {
-    u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
+    u64::from_le_bytes(*number(bytes, at))
 }
 
 /// Collects a part's bytes.
@@ -391,52 +401,83 @@ impl Stored for Compact {
         &self.counts
     }
 
-    fn spheres(&self, level: usize, nodes: Range<usize>, each: &mut dyn FnMut(Vec3, f32)) {
+    fn spheres(&self, level: usize, nodes: Range<usize>) -> Spheres {
+        let mut spheres = Spheres::default();
         // Nodes of the level of parts share a parent in the crown, and lie in several parts.
         let parts = if level == PART_LEVELS - 1 { nodes.len() } else { 1 };
         let of_each = nodes.len() / parts.max(1);
         for i in 0..parts {
             let first = nodes.start + i * of_each;
             let bytes = self.nodes_at(level, first..first + of_each);
-            for node in bytes.chunks_exact(self.format.node_bytes()) {
+            for (k, node) in bytes.chunks_exact(self.format.node_bytes()).enumerate() {
                 let (centre, radius) = self.format.sphere(node);
-                each(centre, radius);
+                spheres.set(i + k, centre, radius);
             }
         }
+        spheres
     }
 
     fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
         self.format.decode(self.node_at(level, index))
     }
 
-    fn records(&self, block: usize, wanted: &dyn Fn(Vec3) -> bool, each: &mut dyn FnMut(&Record)) {
+    fn records(
+        &self,
+        block: usize,
+        wanted: impl Fn(&Places) -> u32,
+        mut each: impl FnMut(&Record),
+    ) {
         let node = self.node_at(0, block);
-        let (centre, radius) = self.format.sphere(node);
         let (part, within) = (block / PART_BLOCKS, block % PART_BLOCKS);
         let at = self.starts(part)[PART_LEVELS] + within * BLOCK_BYTES;
         let bytes = &self.part(part)[at..at + BLOCK_BYTES];
-        let gain = from_float16(u16_at(bytes, 0), self.format.top_light);
+        let codes: [u64; BLOCK] = std::array::from_fn(|k| u64_at(bytes, 2 + k * RECORD));
+        let places = places(&codes, self.format.sphere(node));
         let count = BLOCK.min(self.records - block * BLOCK);
+        let mut left = wanted(&places) & ((1 << count) - 1);
+        let gain = from_float16(u16_at(bytes, 0), self.format.top_light);
         let area = from_float16(u16_at(node, 10), self.format.top_area) / count as f32;
-        for code in bytes[2..].chunks_exact(RECORD).take(count) {
-            let place = vec3(signed(code[0]), signed(code[1]), signed(code[2]));
-            let position = centre + place * (radius / 127.0);
-            if !wanted(position) {
-                continue;
-            }
-            let normal = [code[3], code[4]].map(|c| from_grid(u32::from(c), 8));
-            let rest = u64_at(code, 0) >> 40;
-            let ratio = ((rest & 15) as f32 - 8.0) / 4.0;
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let rest = codes[k] >> 40;
+            let lane = |axes: &[[f32; BLOCK]; 3]| vec3(axes[0][k], axes[1][k], axes[2][k]);
             each(&Record {
-                position,
-                normal: from_octahedral(normal),
-                area: if ratio == 0.0 { area } else { area * ratio.exp2() },
+                position: lane(&places.position),
+                normal: lane(&places.normal).normalize_or(Vec3::Z),
+                area: area * RATIOS[rest as usize & 15],
                 alive: [true, false],
                 albedo: [0.0; 3],
                 radiance: [colour_of(rest >> 4, gain), [0.0; 3]],
             });
         }
     }
+}
+
+/// Positions and normals of the records of a block in a sphere.
+#[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
+fn places(codes: &[u64; BLOCK], (centre, radius): (Vec3, f32)) -> Places {
+    let mut places = Places::default();
+    let step = radius / 127.0;
+    let low = codes.map(|c| c as u32);
+    let byte = |code: u32, shift: u32| (code << (24 - shift)) as i32 >> 24;
+    for (i, position) in places.position.iter_mut().enumerate() {
+        for k in 0..BLOCK {
+            position[k] = centre[i] + byte(low[k], 8 * i as u32) as f32 * step;
+        }
+    }
+    let ys = codes.map(|c| (c >> 32) as u32 & 255);
+    let [nx, ny, nz] = &mut places.normal;
+    for k in 0..BLOCK {
+        let x = (low[k] >> 24) as f32 * (1.0 / 127.0) - 1.0;
+        let y = ys[k] as f32 * (1.0 / 127.0) - 1.0;
+        let z = 1.0 - x.abs() - y.abs();
+        let under = (-z).max(0.0);
+        nx[k] = x - under.copysign(x);
+        ny[k] = y - under.copysign(y);
+        nz[k] = z;
+    }
+    places
 }
 
 #[cfg(test)]
@@ -484,8 +525,8 @@ mod tests {
         }
         for block in 0..exact.store.counts()[0] {
             let (mut a, mut b) = (Vec::new(), Vec::new());
-            exact.store.records(block, &|_| true, &mut |r| a.push(*r));
-            coded.store.records(block, &|_| true, &mut |r| b.push(*r));
+            exact.store.records(block, |_| u32::MAX, |r| a.push(*r));
+            coded.store.records(block, |_| u32::MAX, |r| b.push(*r));
             assert_eq!(a.len(), b.len());
             let radius = exact.store.node(0, block).0.radius;
             for (a, b) in a.iter().zip(&b) {
@@ -532,8 +573,8 @@ mod tests {
         }
         for block in 0..read.store.counts()[0] {
             let (mut a, mut b) = (Vec::new(), Vec::new());
-            read.store.records(block, &|_| true, &mut |r| a.push(r.radiance));
-            coded.store.records(block, &|_| true, &mut |r| b.push(r.radiance));
+            read.store.records(block, |_| u32::MAX, |r| a.push(r.radiance));
+            coded.store.records(block, |_| u32::MAX, |r| b.push(r.radiance));
             assert_eq!(a, b);
         }
     }

@@ -9,10 +9,11 @@
 //!   series ahead and behind; between flat and not, both are blended, so that nothing flips.
 
 use crate::harmonic::{basis, front_of_flat};
+use crate::packed::{BLOCK, Places};
 use crate::payload::{Exact, Payload, Sent};
 use crate::surfel::Surfel;
 use crate::tree::{Node, Tree};
-use crate::wide::{LANES, NONE, Wide};
+use crate::wide::{LANES, NONE};
 use chiaro_basis::math::Vec3;
 
 /// What a receiver sees of a node or a surfel.
@@ -60,11 +61,6 @@ pub(crate) enum Verdict {
     Open,
 }
 
-/// Verdicts as numbers.
-const OPEN: u32 = 0;
-const SPLAT: u32 = 1;
-const LEAVE: u32 = 2;
-
 /// What a flat node sends to the side of its axis and to the other.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Faces {
@@ -111,17 +107,17 @@ impl Chooser {
         groups.extend((!tree.wide.is_empty()).then_some(0));
         while let Some(group) = groups.pop() {
             let wide = &tree.wide[group as usize];
-            let verdicts = self.verdicts(wide);
+            let verdicts = self.verdicts(&wide.centre, &wide.radius);
             let mut lane = 0;
             while lane < LANES && wide.node[lane] != NONE {
                 visited += 1;
                 let (index, verdict) = (wide.node[lane] as usize, verdicts[lane]);
-                if verdict == SPLAT {
+                if verdict == Verdict::Splat {
                     let sent = |d: Vec3| tree.payload[index].sent(&tree.book, &basis(d));
                     let faces = |_: Vec3| tree.faces[index];
                     splats.extend(self.seen(&tree.nodes[index], sent, faces));
                 }
-                if verdict != OPEN {
+                if verdict != Verdict::Open {
                     lane += usize::from(wide.within[lane]) + 1;
                     continue;
                 }
@@ -141,21 +137,28 @@ impl Chooser {
 
     /// What to do with each node of a group: the same as [`verdict`](Self::verdict), all at once.
     #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
-    fn verdicts(&self, wide: &Wide) -> [u32; LANES] {
+    pub(crate) fn verdicts(
+        &self,
+        [x, y, z]: &[[f32; LANES]; 3],
+        radius: &[f32; LANES],
+    ) -> [Verdict; LANES] {
         let (from, normal) = (self.from, self.above.unwrap_or(Vec3::ZERO));
-        let [x, y, z] = &wide.centre;
-        let mut verdicts = [0; LANES];
+        let (mut leave, mut splat) = ([0u32; LANES], [0u32; LANES]);
         for k in 0..LANES {
             let (dx, dy, dz) = (x[k] - from.x, y[k] - from.y, z[k] - from.z);
-            let r = wide.radius[k];
+            let r = radius[k];
             let below = dx * normal.x + dy * normal.y + dz * normal.z + r < 0.0;
             let square = dx * dx + dy * dy + dz * dz;
             let small = std::f32::consts::PI * r * r <= self.threshold * square;
             let reach = self.near + r;
-            let splat = small & (square > reach * reach);
-            verdicts[k] = if below { LEAVE } else { u32::from(splat) * SPLAT };
+            leave[k] = u32::from(below);
+            splat[k] = u32::from(small & (square > reach * reach));
         }
-        verdicts
+        std::array::from_fn(|k| match (leave[k], splat[k]) {
+            (1, _) => Verdict::Leave,
+            (_, 1) => Verdict::Splat,
+            _ => Verdict::Open,
+        })
     }
 
     /// What to do with a node of this bounding sphere.
@@ -213,6 +216,25 @@ impl Chooser {
         let axis = if node.axis.dot(direction) > 0.0 { -node.axis } else { node.axis };
         let splat = Splat { direction, distance, solid_angle, radiance, axis, marks: false };
         (solid_angle > 0.0).then_some(splat)
+    }
+
+    /// The records of which anything is seen, in a mask of bits: surfels with one living side.
+    #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
+    pub(crate) fn seen_of(&self, places: &Places) -> u32 {
+        let from = self.from;
+        let near = self.near.min(self.mark).powi(2);
+        let (Places { position: [x, y, z], normal: [nx, ny, nz] }, up) = (places, self.above);
+        let up = up.unwrap_or(Vec3::ZERO);
+        let least = if self.above.is_some() { 0.0 } else { -1.0 };
+        let mut seen = [0u32; BLOCK];
+        for k in 0..BLOCK {
+            let (dx, dy, dz) = (x[k] - from.x, y[k] - from.y, z[k] - from.z);
+            let faces = dx * nx[k] + dy * ny[k] + dz * nz[k] < 0.0;
+            let far = dx * dx + dy * dy + dz * dz > near;
+            let above = dx * up.x + dy * up.y + dz * up.z > least;
+            seen[k] = u32::from(faces & far & above) << k;
+        }
+        seen.iter().fold(0, |mask, bit| mask | bit)
     }
 
     /// What is seen of a surfel: its exact cosine, and nothing of a dead side.

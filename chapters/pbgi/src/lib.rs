@@ -31,6 +31,7 @@ mod band;
 mod bitrows;
 mod bits;
 pub mod bounce;
+mod bunch;
 pub mod chosen;
 pub mod classic;
 mod cluster;

@@ -12,6 +12,7 @@
 //! oracle for [`Compact`](crate::compact::Compact), which keeps some ten bytes a surfel. Both have the same nodes and make the
 //! same cuts. Guaranteed: the same bits for any number of threads.
 
+use crate::bunch::Bunch;
 use crate::code::Decoded;
 use crate::cut::{Chooser, Splat, Verdict};
 use crate::hierarchy::Hierarchy;
@@ -73,12 +74,38 @@ pub trait Store: Sync + Send {
 pub trait Stored: Sync + Send {
     /// The number of nodes of each level; the last has one.
     fn counts(&self) -> &[usize];
-    /// Calls `each` with the bounding spheres of nodes that share a parent.
-    fn spheres(&self, level: usize, nodes: Range<usize>, each: &mut dyn FnMut(Vec3, f32));
+    /// The bounding spheres of nodes that share a parent.
+    fn spheres(&self, level: usize, nodes: Range<usize>) -> Spheres;
     /// A node, and its lobes.
     fn node(&self, level: usize, index: usize) -> (Node, Decoded);
-    /// Calls `each` with the records of a block whose positions are wanted.
-    fn records(&self, block: usize, wanted: &dyn Fn(Vec3) -> bool, each: &mut dyn FnMut(&Record));
+    /// Calls `each` with the records of a block that `wanted` names in a mask of bits.
+    fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record));
+}
+
+/// Where the records of a block lie and face, side by side.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Places {
+    /// Coordinates of their positions.
+    pub position: [[f32; BLOCK]; 3],
+    /// Those of their normals, of any length.
+    pub normal: [[f32; BLOCK]; 3],
+}
+
+/// Bounding spheres of siblings, side by side.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spheres {
+    /// Coordinates of their centres.
+    pub centre: [[f32; FAN]; 3],
+    /// Their radii.
+    pub radius: [f32; FAN],
+}
+
+impl Spheres {
+    /// Sets one.
+    pub(crate) fn set(&mut self, k: usize, centre: Vec3, radius: f32) {
+        (0..3).for_each(|i| self.centre[i][k] = centre[i]);
+        self.radius[k] = radius;
+    }
 }
 
 /// A tree that is stored as `S` says.
@@ -92,34 +119,33 @@ pub struct Packed<S> {
 
 impl<S: Stored> Hierarchy for Packed<S> {
     fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64 {
+        // What is summed looks no larger than what a binary tree would splat.
+        let most = chooser.threshold;
         let chooser = &Chooser { threshold: WIDER * chooser.threshold, ..*chooser };
         let counts = self.store.counts();
         let Some(top) = counts.len().checked_sub(1) else { return 0 };
         let mut visited = 0;
-        let wanted = |position: Vec3| {
-            let offset = position - chooser.from;
-            let far = offset.length_squared() > chooser.near.min(chooser.mark).powi(2);
-            far && chooser.above.is_none_or(|n| offset.dot(n) > 0.0)
-        };
+        let mut bunch = Bunch::new(chooser, most);
         // Siblings to visit, the next ones last.
-        let mut open = vec![(top, 0..1)];
-        let mut verdicts = Vec::with_capacity(FAN);
+        let mut open = Vec::with_capacity(64);
+        open.push((top, 0..1));
         while let Some((level, nodes)) = open.pop() {
             visited += nodes.len() as u64;
-            verdicts.clear();
-            self.store.spheres(level, nodes.clone(), &mut |centre, radius| {
-                verdicts.push(chooser.verdict(centre, radius));
-            });
-            for (index, verdict) in nodes.zip(&verdicts) {
+            let spheres = self.store.spheres(level, nodes.clone());
+            let verdicts = chooser.verdicts(&spheres.centre, &spheres.radius);
+            for (index, verdict) in nodes.zip(verdicts) {
                 match verdict {
                     Verdict::Leave => {}
                     Verdict::Splat => {
                         let (node, lobes) = self.store.node(level, index);
-                        splats.extend(chooser.node(&node, |d| lobes.sent(d), |d| lobes.both(d)));
+                        let (sent, both) = (|d| lobes.sent(d), |d| lobes.both(d));
+                        if let Some(splat) = chooser.node(&node, sent, both) {
+                            bunch.add_node(&splat, (node.centre, node.radius), splats);
+                        }
                     }
                     Verdict::Open if level == 0 => {
-                        let each = &mut |r: &Record| splats.extend(chooser.surfel(r));
-                        self.store.records(index, &wanted, each);
+                        let seen = |places: &Places| chooser.seen_of(places);
+                        self.store.records(index, seen, |r| bunch.add(r, splats));
                     }
                     Verdict::Open => {
                         let end = (FAN * index + FAN).min(counts[level - 1]);
@@ -128,6 +154,7 @@ impl<S: Stored> Hierarchy for Packed<S> {
                 }
             }
         }
+        bunch.splat(splats);
         visited
     }
 
@@ -280,8 +307,12 @@ impl Stored for Floats {
         &self.counts
     }
 
-    fn spheres(&self, level: usize, nodes: Range<usize>, each: &mut dyn FnMut(Vec3, f32)) {
-        self.levels[level][nodes].iter().for_each(|(node, _)| each(node.centre, node.radius));
+    fn spheres(&self, level: usize, nodes: Range<usize>) -> Spheres {
+        let mut spheres = Spheres::default();
+        for (k, (node, _)) in self.levels[level][nodes].iter().enumerate() {
+            spheres.set(k, node.centre, node.radius);
+        }
+        spheres
     }
 
     fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
@@ -289,9 +320,16 @@ impl Stored for Floats {
         (node, Decoded { local_from_world: None, lobes })
     }
 
-    fn records(&self, block: usize, wanted: &dyn Fn(Vec3) -> bool, each: &mut dyn FnMut(&Record)) {
+    fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record)) {
         let end = (BLOCK * block + BLOCK).min(self.records.len());
-        self.records[BLOCK * block..end].iter().filter(|r| wanted(r.position)).for_each(each);
+        let records = &self.records[BLOCK * block..end];
+        let mut places = Places::default();
+        for (k, r) in records.iter().enumerate() {
+            (0..3).for_each(|i| places.position[i][k] = r.position[i]);
+            (0..3).for_each(|i| places.normal[i][k] = r.normal[i]);
+        }
+        let mask = wanted(&places);
+        (0..records.len()).filter(|k| mask >> k & 1 == 1).map(|k| &records[k]).for_each(each);
     }
 }
 

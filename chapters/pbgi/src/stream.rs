@@ -13,7 +13,7 @@
 //! bytes a triangle that has surfels, and what the sparse set takes. A scene with no more surfels than the
 //! sparse set uses that itself.
 
-use crate::code::{Book, HEADROOM, Lobes, Recipe};
+use crate::code::{Book, HEADROOM, Lobes, Recipe, turned};
 use crate::compact::{Builder, Compact, Format};
 use crate::curve::{BITS, Cube};
 use crate::hierarchy::Hierarchy;
@@ -25,8 +25,8 @@ use crate::spread::Spread;
 use crate::surfel::{Lit, Surfel, Surfels};
 use crate::tree::Node;
 use crate::{LightKnobs, Prepared};
-use chiaro_basis::math::Vec3;
-use chiaro_basis::{Result, Run};
+use chiaro_basis::math::{Mat3, Vec3};
+use chiaro_basis::{Result, Run, random};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -96,6 +96,21 @@ pub fn taught(lessons: &[Lesson], recipe: &Recipe, run: &Run) -> Result<Book> {
 }
 
 impl Lesson {
+    /// The same, turned at random and in random colours: two octaves darker to two brighter each.
+    #[must_use]
+    pub fn varied(&self, number: u64) -> Self {
+        let unit = |k: u64| random::unit(k, number);
+        let axis = Vec3::new(unit(31) - 0.5, unit(32) - 0.5, unit(33) - 0.5).normalize_or(Vec3::Y);
+        let turn = Mat3::from_axis_angle(axis, std::f32::consts::TAU * unit(34));
+        let mut sums = self.sums;
+        sums.area = turned(&sums.area, &turn);
+        for (c, light) in sums.light.iter_mut().enumerate() {
+            let gain = (4.0 * unit(35 + c as u64) - 2.0).exp2();
+            *light = turned(light, &turn).map(|l| gain * l);
+        }
+        Self { area: self.area, axis: turn.transpose() * self.axis, sums }
+    }
+
     /// As a book takes it.
     pub fn lobes(&self) -> Lobes<'_> {
         Lobes { sums: &self.sums, area: self.area, axis: self.axis }

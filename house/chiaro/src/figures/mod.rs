@@ -2,6 +2,7 @@
 //!
 //! Each figure is rows of cells; all cells of a row share one view of a scene and differ in knobs.
 
+mod books;
 mod brushes;
 mod chapter3;
 mod chapter4;
@@ -56,6 +57,8 @@ const FLICKER: &str = "flicker";
 const METHODS: &str = "methods";
 /// All codes of lobes beside each other.
 const RATE: &str = "6.rate";
+/// Books of other scenes.
+const BOOKS: &str = "6.books";
 /// Films of strokes in several styles at once.
 const STROKES: &str = "strokes";
 /// Indirect light: its rules left out in turn, and error over time.
@@ -92,7 +95,7 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
         });
     }
     let named = |name: &str| taking.iter().any(|n| *n == name);
-    let of_all = |name: &str| names.is_empty() && name != RATE;
+    let of_all = |name: &str| names.is_empty() && ![RATE, BOOKS].contains(&name);
     for figure in quantized::all().filter(|f| named(f.name) || of_all(f.name)) {
         run.check()?;
         sections.push(measured_figure(figure, scenes, folder, &mut record, run)?);

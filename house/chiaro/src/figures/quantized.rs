@@ -2,7 +2,7 @@
 
 use super::chart::{Axis, COLOURS, Chart, Scale, Series};
 use super::lessons::{self, DENSE, SIZE, SPARSE};
-use super::measured;
+use super::{books, measured};
 use crate::light::{AnyTree, Still, nearness, still};
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
@@ -27,7 +27,7 @@ pub(super) struct Measured {
 
 /// The figures and tables of chapter 6.
 pub(super) fn all() -> impl Iterator<Item = &'static Measured> {
-    FIGURES.iter().chain(&measured::FIGURES)
+    FIGURES.iter().chain(&measured::FIGURES).chain(&books::FIGURES)
 }
 
 const ROOM: [&str; 1] = ["demo:cornell-box"];

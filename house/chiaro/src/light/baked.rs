@@ -12,7 +12,7 @@ use crate::record::Output;
 use chiaro_basis::{Error, Result, Run};
 use chiaro_pbgi::compact::{Bytes, Compact};
 use chiaro_pbgi::packed::Packed;
-use chiaro_pbgi::{LightKnobs, file};
+use chiaro_pbgi::{LightKnobs, OwnSky, file};
 use memmap2::Mmap;
 use serde_json::json;
 use std::fs::File;
@@ -49,7 +49,7 @@ pub(crate) fn origin(project: &Project, knobs: &LightKnobs, env_hash: Option<&st
     json!({
         "program": "chiaro", "input_sha256": project.hash, "surfels": knobs.surfels,
         "bounces": knobs.bounces, "clusters": knobs.clusters, "max_error": knobs.max_error,
-        "sun": project.options.sun, "env_sha256": env_hash,
+        "sun": project.options.sun, "env_sha256": env_hash, "own_sky": knobs.sky == OwnSky::Auto,
     })
     .to_string()
 }
