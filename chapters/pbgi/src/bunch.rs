@@ -139,7 +139,7 @@ mod tests {
             as [&dyn Fn(&Splat) -> f32; 2]
         {
             let (a, b) = (sum(of, &splats), sum(of, &each));
-            assert!((a - b).abs() < 1e-5 * b, "{a} {b}");
+            assert!((a - b).abs() <= 1e-5 * b.abs(), "{a} {b}");
         }
         splats
     }
