@@ -15,11 +15,12 @@ use crate::gbuffer::GBuffer;
 use crate::glow::Cluster;
 use crate::light::Lamp;
 use crate::lights::{Lights, lamp_at};
+use crate::sample::Sequence;
 use crate::sky::Sky;
 use crate::tracer::Tracer;
 use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
-use chiaro_basis::{Result, Run, random};
+use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_image::colour::luminance;
 
@@ -32,7 +33,7 @@ const SKY_DEAL: usize = SKY_TILE * SKY_TILE;
 /// Small lamps for what shines, and for the sky: so many for each pixel of a tile.
 const GLOW_SHARE: usize = 4;
 const SKY_SHARE: usize = 8;
-/// A pixel by itself visits every so many of the pieces and suns, and of the sky's lamps.
+/// A pixel by itself visits one in so many of the pieces, and of the sky's lamps.
 const ALONE: usize = 2;
 const SKY_ALONE: usize = 4;
 /// The least cosine between normals of a window: of a flat one, and of one that is merely bent.
@@ -85,21 +86,25 @@ impl Fixed {
             let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };
             pieces.iter().step_by(ALONE).map(move |l| (*l, many * share))
         });
-        let suns = self.suns.iter().step_by(ALONE).map(|l| (*l, many));
+        let suns = self.suns.iter().map(|l| (*l, 1.0));
         sum(tracer, at, far.chain(near).chain(suns))
     }
 }
 
-/// Small lamps in the place of a sky: those of its suns, and the others. The sky's few brightest
-/// texels may hold most of its light: a low-discrepancy set finds them in proportion.
+/// Small lamps in the place of a sky: those of its suns, and the others, which are black where a sun was
+/// found. The sky's few brightest texels may hold most of its light: a low-discrepancy set finds them in
+/// proportion. Aligned pieces of it are such sets too: a pixel's share, and the quarter of a bent window.
 fn sky_lamps(sky: &Sky) -> (Vec<Lamp>, Vec<Lamp>) {
     let count = SKY_DEAL * SKY_SHARE;
-    let (mut suns, mut others) = (Vec::new(), Vec::new());
-    for s in (0..count).filter_map(|i| sky.sample(random::r2(i as u64))) {
+    let sequence = Sequence::new(0);
+    let black = Lamp { strength: 0.0, ..Lamp::sun(Vec3::Y) };
+    let (mut suns, mut others) = (Vec::new(), vec![black; count]);
+    for (i, other) in others.iter_mut().enumerate() {
+        let Some(s) = sky.sample(sequence.point(i as u32, 0)) else { continue };
         let y = luminance(s.radiance);
         let strength = y / s.density / count as f32;
         let lamp = Lamp { strength, colour: s.radiance.map(|c| c / y), ..Lamp::sun(-s.towards) };
-        if s.density > SUN { suns.push(lamp) } else { others.push(lamp) }
+        if s.density > SUN { suns.push(lamp) } else { *other = lamp }
     }
     let step = suns.len().div_ceil(SUN_LAMPS).max(1);
     let all: f32 = suns.iter().map(|l| l.strength).sum();
@@ -139,7 +144,7 @@ pub fn direct_irradiance(
             return Raw::default();
         }
         let at = Vertex::of_pixel(tracer, buffer, (x, y));
-        let own = fixed.sky.iter().skip(sky_place(x, y)).step_by(SKY_DEAL);
+        let own = fixed.sky.iter().skip(SKY_SHARE * sky_place(x, y)).take(SKY_SHARE);
         Raw {
             hard: lamp_irradiance(tracer, &at, &fixed.hard),
             soft: fixed.dealt(tracer, &at, place(x, y)),
@@ -162,7 +167,8 @@ pub fn direct_irradiance(
         let sky = match sky_window(buffer, (x, y)).or_else(|| bent(buffer, (x, y), small)) {
             Some(pixels) => mean(&pixels, |at| raw[at].sky),
             None => {
-                let some = fixed.sky.iter().step_by(SKY_ALONE).map(|l| (*l, SKY_ALONE as f32));
+                let some = fixed.sky.iter().take(SKY_DEAL * SKY_SHARE / SKY_ALONE);
+                let some = some.map(|l| (*l, SKY_ALONE as f32));
                 sum(tracer, &Vertex::of_pixel(tracer, buffer, (x, y)), some)
             }
         };
@@ -186,10 +192,10 @@ fn place(x: usize, y: usize) -> usize {
     ORDER[(y % TILE) * TILE + x % TILE]
 }
 
-/// The same in the sky's tiles: the tiles of 4 x 4 in one of them have the lamps in turn.
+/// The same in the sky's tiles: each of the tiles of 4 x 4 in one of them has a quarter of the lamps.
 fn sky_place(x: usize, y: usize) -> usize {
     const TURN: [usize; 4] = [0, 2, 3, 1];
-    4 * place(x, y) + TURN[(y / TILE % 2) * 2 + x / TILE % 2]
+    DEAL * TURN[(y / TILE % 2) * 2 + x / TILE % 2] + place(x, y)
 }
 
 /// Irradiance at a vertex from lamps, each with a shadow ray.
@@ -199,7 +205,7 @@ pub fn lamp_irradiance(tracer: &Tracer, at: &Vertex, lamps: &[Lamp]) -> [f32; 3]
 
 fn sum(tracer: &Tracer, at: &Vertex, lamps: impl Iterator<Item = (Lamp, f32)>) -> [f32; 3] {
     lamps
-        .filter(|(_, share)| *share > 0.0)
+        .filter(|(l, share)| share * l.strength > 0.0)
         .filter_map(|(l, share)| lamp_at(&l, at).map(|(e, ray)| (e, share, ray)))
         .filter(|(_, _, ray)| !tracer.occluded(ray))
         .fold([0.0; 3], |s, (e, share, _)| std::array::from_fn(|i| s[i] + share * e[i]))
@@ -257,4 +263,42 @@ fn window(
         }
     }
     Some(pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sky brighter on one side, with a sun.
+    fn sunny() -> Sky {
+        Sky::new(Plane::from_fn(128, 64, |x, y| {
+            let side = 0.2 + (x as f32 / 128.0 * std::f32::consts::TAU).sin().max(0.0);
+            [if (x, y) == (40, 26) { 4000.0 } else { side }; 3]
+        }))
+    }
+
+    #[test]
+    fn quarters_of_a_sky_light_alike() {
+        let (suns, sky) = sky_lamps(&sunny());
+        assert!(!suns.is_empty() && sky.iter().any(|l| l.strength == 0.0));
+        let irradiance = |lamps: &[Lamp], normal: Vec3| -> f32 {
+            lamps.iter().map(|l| l.strength * (-l.direction).dot(normal).max(0.0)).sum()
+        };
+        for normal in [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z] {
+            let all = irradiance(&sky, normal);
+            for quarter in sky.chunks(sky.len() / SKY_ALONE) {
+                let scaled = irradiance(quarter, normal) * SKY_ALONE as f32;
+                assert!((scaled / all - 1.0).abs() < 0.15, "{normal}: {scaled} {all}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_tiles_of_a_window_share_the_whole_sky() {
+        let places =
+            |x: usize, y: usize| (0..SKY_DEAL).map(move |i| (x + i % SKY_TILE, y + i / SKY_TILE));
+        let mut found: Vec<usize> = places(3, 6).map(|(x, y)| sky_place(x, y)).collect();
+        found.sort_unstable();
+        assert!(found.into_iter().eq(0..SKY_DEAL));
+    }
 }
