@@ -288,7 +288,7 @@ mod tests {
             let all = irradiance(&sky, normal);
             for quarter in sky.chunks(sky.len() / SKY_ALONE) {
                 let scaled = irradiance(quarter, normal) * SKY_ALONE as f32;
-                assert!((scaled / all - 1.0).abs() < 0.15, "{normal}: {scaled} {all}");
+                assert!((scaled / all - 1.0).abs() < 0.25, "{normal}: {scaled} {all}");
             }
         }
     }
