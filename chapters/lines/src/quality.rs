@@ -30,8 +30,11 @@ pub struct Quality {
     pub slide_p95: f64,
     /// Share of length that slides by more than 2 px.
     pub slide_over_2: f64,
-    /// Share of length that slides by more than 8 px or finds another texture.
+    /// Share of length that slides by more than 8 px or finds another id.
     pub jumps: f64,
+    /// Share of length that slides by more than 8 px or finds another texture: where lines merge, split,
+    /// open and close, noise and marks go on under another id.
+    pub texture_jumps: f64,
     /// Share of frame pairs of which a fifth jumps.
     pub broken_pairs: f64,
     /// 99th percentile over frame pairs of the longest stretch of line that turns from ink to paper or
@@ -46,13 +49,25 @@ pub struct Quality {
     pub folds: usize,
 }
 
-/// A frame pair's samples: sliding in pixels, whether the texture stays, and length.
-type Slides = Vec<(f64, bool, f64)>;
+/// A sample whose material point meets a line.
+#[derive(Clone, Copy)]
+struct Slide {
+    pixels: f64,
+    keeps_id: bool,
+    keeps_texture: bool,
+    /// The length that it stands for, pixels.
+    length: f64,
+}
+
+/// Share of length that jumps, where `keeps` tells what must stay.
+fn jumping<'a>(slides: impl Iterator<Item = &'a Slide>, keeps: impl Fn(&Slide) -> bool) -> f64 {
+    share(slides.map(|s| (s.length, s.pixels > JUMP || !keeps(s))))
+}
 
 /// What is found between two frames.
 #[derive(Default)]
 struct Pair {
-    slides: Slides,
+    slides: Vec<Slide>,
     /// The longest stretch of line that turns from ink to paper or back.
     pop: f64,
 }
@@ -61,16 +76,17 @@ struct Pair {
 pub fn quality(film: &Film) -> Quality {
     let windows = film.frames.par_windows(2).filter(|p| !p[1].begins);
     let pairs: Vec<Pair> = windows.map(|p| pair(&p[0], &p[1])).collect();
-    let jumps = |s: &[(f64, bool, f64)]| share(s.iter().map(|x| (x.2, x.0 > JUMP || !x.1)));
-    let broken = pairs.iter().filter(|p| jumps(&p.slides) >= BROKEN).count();
-    let all: Slides = pairs.iter().flat_map(|p| p.slides.iter().copied()).collect();
+    let is_broken = |p: &&Pair| jumping(p.slides.iter(), |s| s.keeps_id) >= BROKEN;
+    let broken = pairs.iter().filter(is_broken).count();
+    let all = || pairs.iter().flat_map(|p| &p.slides);
     let strokes = || film.frames.iter().flat_map(|f| &f.strokes);
     let slopes: Vec<(f64, f64)> = strokes().flat_map(slopes).collect();
     let rising = slopes.iter().filter(|s| s.0 > 0.0);
     Quality {
-        slide_p95: percentile(all.iter().map(|x| (x.0, x.2)).collect(), 0.95),
-        slide_over_2: share(all.iter().map(|x| (x.2, x.0 > SEEN))),
-        jumps: jumps(&all),
+        slide_p95: percentile(all().map(|s| (s.pixels, s.length)).collect(), 0.95),
+        slide_over_2: share(all().map(|s| (s.length, s.pixels > SEEN))),
+        jumps: jumping(all(), |s| s.keeps_id),
+        texture_jumps: jumping(all(), |s| s.keeps_texture),
         ink_pop_p99: percentile(pairs.iter().map(|p| (p.pop, 1.0)).collect(), 0.99),
         broken_pairs: if pairs.is_empty() { 0.0 } else { broken as f64 / pairs.len() as f64 },
         stretch_p95: percentile(rising.map(|s| (s.0.log2().abs(), s.1)).collect(), 0.95),
@@ -111,8 +127,12 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
                 du -= (du / period).round() * period;
             }
             let scale = 0.5 * (stroke.pixels_per_u + other.pixels_per_u);
-            let stays = other.texture() == stroke.texture();
-            pair.slides.push((scale * du.abs(), stays, weight));
+            pair.slides.push(Slide {
+                pixels: scale * du.abs(),
+                keeps_id: other.id == stroke.id,
+                keeps_texture: other.texture() == stroke.texture(),
+                length: weight,
+            });
             let ink = |u: f64| (scale * u / PATTERN).rem_euclid(1.0) < 0.5;
             // Whole turns of a loop are no change.
             run = if ink(stroke.u[j]) == ink(stroke.u[j] + du) { 0.0 } else { run + weight };
@@ -158,11 +178,12 @@ fn percentile(mut items: Vec<(f64, f64)>, at: f64) -> f64 {
 
 impl Quality {
     /// Names and values for records.
-    pub fn named(&self) -> [(&'static str, f64); 8] {
+    pub fn named(&self) -> [(&'static str, f64); 9] {
         [
             ("slide_p95_px", self.slide_p95),
             ("slide_over_2px", self.slide_over_2),
             ("jump_share", self.jumps),
+            ("texture_jump_share", self.texture_jumps),
             ("broken_pairs_share", self.broken_pairs),
             ("ink_pop_p99_px", self.ink_pop_p99),
             ("stretch_p95_octaves", self.stretch_p95),

@@ -289,5 +289,5 @@ fn an_id_has_one_texture_and_loops_close_as_it_repeats() {
         assert_eq!(*first, stroke.texture(), "an id has one texture");
         assert!(!stroke.closed || stroke.u_period == stroke.repeats, "a loop closes as it repeats");
     }
-    assert!(q.jumps < 0.02, "{q:?}");
+    assert!(q.texture_jumps < 0.02, "{q:?}");
 }
