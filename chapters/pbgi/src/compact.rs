@@ -13,21 +13,19 @@
 //! is read and what is mapped from a disk are the same bytes, little-endian everywhere.
 //! Numbers that bytes name are clamped to what is there: any bytes give some picture.
 
+mod builder;
+
+pub use builder::{Builder, Sink};
+
 use crate::bits::{
     axis_of, colour_of, encode_axis, encode_colour, float16, float16_above, from_float16, grid,
     octahedral,
 };
 use crate::code::{Book, Decoded, Lobes, Pen, Recipe};
 use crate::curve::Cube;
-use crate::file;
-use crate::packed::{
-    BLOCK, FAN, PART, PART_LEVELS, Packed, Places, Record, Spheres, Store, Stored, Sums, counts,
-    crown, leaf_radius, part,
-};
+use crate::packed::{BLOCK, FAN, PART, PART_LEVELS, Places, Record, Spheres, Stored, Sums, counts};
 use crate::tree::Node;
-use chiaro_basis::Result;
 use chiaro_basis::math::{Vec3, vec3};
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Arc, LazyLock};
 
@@ -197,142 +195,6 @@ fn u64_at(bytes: &[u8], at: usize) -> u64 {
     u64::from_le_bytes(*number(bytes, at))
 }
 
-/// Collects a part's bytes.
-struct Writer<'a> {
-    format: &'a Format,
-    levels: Vec<Vec<u8>>,
-    blocks: Vec<u8>,
-    pen: Pen,
-}
-
-impl<'a> Writer<'a> {
-    fn new(format: &'a Format) -> Self {
-        Self { format, levels: Vec::new(), blocks: Vec::new(), pen: Pen::default() }
-    }
-}
-
-impl Store for Writer<'_> {
-    fn block(&mut self, sums: &Sums, records: &[Record]) {
-        let mut node = Vec::with_capacity(64);
-        self.format.encode(sums, &mut node, &mut self.pen);
-        self.format.encode_block(&node, records, &mut self.blocks);
-        self.levels.resize(self.levels.len().max(1), Vec::new());
-        self.levels[0].extend(node);
-    }
-
-    fn node(&mut self, level: usize, sums: &Sums) {
-        // A block has stored its node itself.
-        if level > 0 {
-            self.levels.resize(self.levels.len().max(level + 1), Vec::new());
-            self.format.encode(sums, &mut self.levels[level], &mut self.pen);
-        }
-    }
-}
-
-/// Takes the bytes of a file, in order.
-pub type Sink<'a> = Box<dyn FnMut(&[u8]) -> Result<()> + 'a>;
-
-/// A tree that grows part by part, in memory or into a file.
-pub struct Builder<'a> {
-    tree: Compact,
-    roots: Vec<Sums>,
-    waiting: Vec<Record>,
-    area: f64,
-    sink: Option<Sink<'a>>,
-    written: u64,
-}
-
-impl<'a> Builder<'a> {
-    /// An empty tree.
-    pub fn new(format: Format) -> Self {
-        let whole = format.starts(PART_BLOCKS);
-        let tree = Compact {
-            format: Arc::new(format),
-            parts: Vec::new(),
-            crown: Vec::new(),
-            records: 0,
-            counts: Vec::new(),
-            whole,
-        };
-        let (roots, waiting) = (Vec::new(), Vec::new());
-        Self { tree, roots, waiting, area: 0.0, sink: None, written: 0 }
-    }
-
-    /// An empty tree whose parts go to a file as they are made.
-    pub fn into_file(format: Format, sink: Sink<'a>) -> Result<Self> {
-        let mut builder = Self { sink: Some(sink), ..Self::new(format) };
-        builder.write(&file::head())?;
-        Ok(builder)
-    }
-
-    /// The scene's cube, along whose curve records come.
-    pub fn cube(&self) -> Cube {
-        self.tree.format.cube
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> Result<()> {
-        self.written += bytes.len() as u64;
-        self.sink.as_mut().map_or(Ok(()), |sink| sink(bytes))
-    }
-
-    /// Adds records that follow on the curve; whole parts are coded at once, the rest waits.
-    pub fn add(&mut self, records: Vec<Record>) -> Result<()> {
-        self.waiting.extend(records);
-        let whole = self.waiting.len() / PART * PART;
-        let rest = self.waiting.split_off(whole);
-        let ready = std::mem::replace(&mut self.waiting, rest);
-        self.store(&ready)
-    }
-
-    fn store(&mut self, records: &[Record]) -> Result<()> {
-        let format = &self.tree.format;
-        let parts: Vec<(Part, Sums)> = records
-            .par_chunks(PART)
-            .map(|records| {
-                let mut writer = Writer::new(format);
-                let root = part(records, &mut writer);
-                let mut bytes = Vec::with_capacity(format.part_bytes(records.len()));
-                writer.levels.iter().for_each(|level| bytes.extend(level));
-                bytes.extend(&writer.blocks);
-                (Part { bytes: Arc::new(bytes), start: 0 }, root)
-            })
-            .collect();
-        for (part, root) in parts {
-            if self.sink.is_some() {
-                let bytes = (*part.bytes).as_ref();
-                self.write(bytes)?;
-                self.write(&file::checksum(bytes).to_le_bytes())?;
-            } else {
-                self.tree.parts.push(part);
-            }
-            self.roots.push(root);
-        }
-        self.tree.records += records.len();
-        self.area += records.iter().map(|r| f64::from(r.area)).sum::<f64>();
-        Ok(())
-    }
-
-    /// Codes what waits and the levels above the parts. The tree of a file has no parts here:
-    /// [`open`](crate::file::open) it. `origin` says in the file what the tree was made from.
-    pub fn done(&mut self, origin: &str) -> Result<Packed<Compact>> {
-        let rest = std::mem::take(&mut self.waiting);
-        self.store(&rest)?;
-        let format = Arc::clone(&self.tree.format);
-        let mut writer = Writer::new(&format);
-        crown(&self.roots, &mut writer);
-        let tree = &mut self.tree;
-        tree.crown = writer.levels.into_iter().skip(PART_LEVELS).collect();
-        tree.counts = counts(tree.records);
-        let leaf_radius = leaf_radius(self.area, tree.records);
-        let tree = Packed { store: tree.clone(), leaf_radius };
-        if self.sink.is_some() {
-            let before = self.written;
-            self.write(&file::tail(&tree, origin, before))?;
-        }
-        Ok(tree)
-    }
-}
-
 impl Compact {
     /// The tree whose parts lie in `bytes`, each at a start and of a length; `None` when numbers do
     /// not fit each other.
@@ -484,8 +346,9 @@ fn places(codes: &[u64; BLOCK], (centre, radius): (Vec3, f32)) -> Places {
 mod tests {
     use super::*;
     use crate::code::Gains;
+    use crate::file;
     use crate::packed::tests::sheet;
-    use crate::packed::{Floats, records};
+    use crate::packed::{Floats, Packed, records};
     use chiaro_basis::Run;
 
     fn both(n: u64) -> (Packed<Floats>, Packed<Compact>) {

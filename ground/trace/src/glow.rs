@@ -15,7 +15,7 @@ use crate::tracer::{Hit, Tracer};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
-use chiaro_scene::LightKind;
+use chiaro_scene::{Bounds, LightKind};
 
 /// The shining triangles of a frame.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +25,7 @@ pub struct Glow {
     cumulative: Vec<f64>,
     /// Power in lumens per pi: radiance's luminance times area, both sides counted.
     power: f64,
+    scattered: bool,
 }
 
 /// A shining triangle in world space.
@@ -61,6 +62,9 @@ pub struct GlowPoint {
     pub density: f32,
 }
 
+/// Shining area, over the square of its extent, below which it is scattered: a panel has a half, a tube
+/// thirty times as long as thick a tenth.
+const SPARSE: f32 = 0.05;
 /// Pieces of a cluster.
 const PIECES: usize = 32;
 
@@ -132,7 +136,16 @@ impl Glow {
             })
             .collect();
         cumulative.iter_mut().for_each(|c| *c /= power);
-        Self { triangles, cumulative, power }
+        let bounds = Bounds::of(triangles.iter().flat_map(|t| t.corners));
+        let area: f32 = triangles.iter().map(|t| t.area).sum();
+        let scattered = area < SPARSE * (2.0 * bounds.radius()).powi(2);
+        Self { triangles, cumulative, power, scattered }
+    }
+
+    /// Whether what shines stands apart, as the lamps of several rooms do, and is no single panel or bulb:
+    /// its area is small for its extent.
+    pub fn is_scattered(&self) -> bool {
+        self.scattered
     }
 
     /// The triangles.
@@ -371,6 +384,18 @@ mod tests {
                 .sum();
             assert!((sum / exact - 1.0).abs() < 0.1, "{h}: {sum} {exact}");
         }
+    }
+
+    #[test]
+    fn lamps_far_apart_are_scattered_and_panels_are_not() {
+        let panel = square(5.0);
+        let moved = |t: &GlowTriangle| GlowTriangle {
+            corners: t.corners.map(|c| c + 20.0 * Vec3::X),
+            ..*t
+        };
+        let both = panel.triangles().iter().flat_map(|t| [*t, moved(t)]).collect();
+        assert!(!panel.is_scattered() && Glow::from_triangles(both).is_scattered());
+        assert!(!Glow::default().is_scattered());
     }
 
     #[test]

@@ -41,8 +41,7 @@ pub struct LightNumbers {
 /// Lamps up to this number are all visited; of more, one is chosen.
 const ALL_LAMPS: usize = 4;
 
-/// Shining triangles up to this number are one lamp; of more, one of several points is chosen.
-const FEW: usize = 16;
+/// Points of which one is chosen where what shines is scattered.
 const OFFERS: usize = 8;
 
 /// Unshadowed irradiance and the ray that must be free for it.
@@ -132,7 +131,7 @@ impl Lights {
         }
     }
 
-    /// A point of what shines, and the weight of its light. Where much shines apart, the point is one of
+    /// A point of what shines, and the weight of its light. Where that is scattered, the point is one of
     /// several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
     /// without, the lamps of a room are rarely found among those of others.
     fn glow_choice(
@@ -143,7 +142,7 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> (Option<Candidate>, f32) {
-        if self.glow.triangles().len() <= FEW {
+        if !self.glow.is_scattered() {
             return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
         }
         let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
