@@ -6,7 +6,7 @@
 //! 3. At the end the record has all files and measures, in the order of the frames.
 
 use crate::film::{self, Target};
-use crate::movie::Container;
+use crate::movie::{Container, Movie};
 use crate::record::{Output, Record};
 use crate::write;
 use chiaro_basis::{Result, Run};
@@ -79,8 +79,8 @@ impl<'a> Frames<'a> {
             let (first, recipe) = (*first, (self.recipe)(*first));
             let pictures: Vec<_> = self.pictures.into_iter().map(|(_, picture)| picture).collect();
             let container = Container::of(&self.target.extension()).unwrap_or(Container::Apng);
-            let written =
-                run.stage("write", 1, || container.write(path, &pictures, fps, &recipe, run))?;
+            let movie = Movie { frames: &pictures, fps, recipe: &recipe };
+            let written = run.stage("write", 1, || container.write(path, &movie, run))?;
             self.outputs.push((first, written));
         }
         self.outputs.sort_by_key(|(number, _)| *number);

@@ -12,6 +12,14 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+/// What a film shows.
+pub(crate) struct Movie<'a> {
+    pub(crate) frames: &'a [Plane<[u8; 4]>],
+    /// Frames a second.
+    pub(crate) fps: f64,
+    pub(crate) recipe: &'a str,
+}
+
 /// A file that holds a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Container {
@@ -41,39 +49,25 @@ impl Container {
         }
     }
 
-    /// Writes the frames of a film, `fps` a second.
-    pub(crate) fn write(
-        self,
-        path: &Path,
-        frames: &[Plane<[u8; 4]>],
-        fps: f64,
-        recipe: &str,
-        run: &Run,
-    ) -> Result<Output> {
+    /// Writes a film.
+    pub(crate) fn write(self, path: &Path, movie: &Movie, run: &Run) -> Result<Output> {
+        let Movie { frames, fps, recipe } = *movie;
         let bytes = match self {
             Self::Apng => codec::write_apng(frames, fps, Some(recipe))?,
             Self::Gif => codec::write_gif(frames, fps, Some(recipe))?,
-            Self::Mp4 | Self::Webm => self.encoded(path, frames, fps, recipe, run)?,
+            Self::Mp4 | Self::Webm => self.encoded(path, movie, run)?,
         };
         write::whole(path, &bytes)
     }
 
     /// The bytes of a film that ffmpeg encodes into a file of its own.
-    fn encoded(
-        self,
-        path: &Path,
-        frames: &[Plane<[u8; 4]>],
-        fps: f64,
-        recipe: &str,
-        run: &Run,
-    ) -> Result<Vec<u8>> {
+    fn encoded(self, path: &Path, movie: &Movie, run: &Run) -> Result<Vec<u8>> {
         let program = ffmpeg().ok_or_else(|| no_ffmpeg(path))?;
         let folder = std::env::temp_dir();
         let file = write::beside(&folder.join(path.file_name().unwrap_or_default()));
-        let size = frames.first().map_or((0, 0), Plane::size);
         let mut command = Command::new(program);
-        command.args(self.arguments(size, fps, recipe)).arg(&file);
-        let made = encode(command, frames, path, run).and_then(|()| {
+        command.args(self.arguments(movie)).arg(&file);
+        let made = encode(command, movie.frames, path, run).and_then(|()| {
             std::fs::read(&file).map_err(|e| Error::output(path.display().to_string(), reason(&e)))
         });
         // What went wrong is told above.
@@ -81,7 +75,9 @@ impl Container {
         made
     }
 
-    fn arguments(self, (width, height): (usize, usize), fps: f64, recipe: &str) -> Vec<String> {
+    fn arguments(self, movie: &Movie) -> Vec<String> {
+        let Movie { frames, fps, recipe } = movie;
+        let (width, height) = frames.first().map_or((0, 0), Plane::size);
         let input = format!(
             "-v error -y -threads 1 -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps} -i - -an"
         );
@@ -179,7 +175,9 @@ mod tests {
 
     #[test]
     fn arguments_hold_the_recipe_in_one_piece() {
-        let arguments = Container::Mp4.arguments((9, 5), 23.976, "size = 9x5; style = ink");
+        let frames = [Plane::filled(9, 5, [0; 4])];
+        let recipe = "size = 9x5; style = ink";
+        let arguments = Container::Mp4.arguments(&Movie { frames: &frames, fps: 23.976, recipe });
         assert_eq!(arguments.last().unwrap(), "comment=size = 9x5; style = ink");
         assert!(arguments.windows(2).any(|w| w == ["-s", "9x5"]));
         assert!(arguments.windows(2).any(|w| w == ["-r", "23.976"]));
