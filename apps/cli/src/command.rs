@@ -1,16 +1,20 @@
 //! Commands: what each does, and what it says at the end.
 
-use crate::args::{Cli, Command, InkArgs, LightArgs, StyleAction, colour};
+use crate::args::{
+    Cli, Command, InkArgs, LightArgs, MapArgs, MarksArgs, PrintArgs, SceneArgs, StencilArgs,
+    StyleAction, colour,
+};
 use chiaro::binary::{self, Look};
 use chiaro::film::Target;
-use chiaro::given::{self, Given};
-use chiaro::project::Project;
+use chiaro::given::{self, Given, Sequence};
+use chiaro::project::{Options, Project};
 use chiaro::record::Record;
 use chiaro::style::{self, Style};
-use chiaro::{compare, compare_films, demo, figures, gbuffer, info, light, lines, mincut};
+use chiaro::{compare, compare_films, demo, figures, gbuffer, info, lines, mincut};
 use chiaro_basis::{Error, Knobs, Result, Run};
 use clap::CommandFactory;
 use std::io::Write;
+use std::path::Path;
 
 /// Runs a command; the record of those that have one.
 pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
@@ -26,104 +30,18 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
             gbuffer::Job { project: &project, target }.run(run).map(Some)
         }
         Command::Binary { scene, output, ink, print, stencil, maps, dump_graph, .. } => {
-            let options = scene.options()?;
-            let (style, knobs) = knobs(ink)?;
-            let sequence = match given::is_sequence(&scene.scene) {
-                true => {
-                    let (frames, shot) = (options.frames.clone(), options.shot.clone());
-                    Some(given::Sequence::open(&scene.scene, maps.maps(), frames, shot)?)
-                }
-                false => None,
-            };
-            let scene_frames = || options.frames.as_ref().map_or(1, Vec::len);
-            let frames = sequence.as_ref().map_or_else(scene_frames, |s| s.frames().len());
-            let target = Target::parse(output, frames)?;
-            binary::check_target(&target)?;
-            let look = Look {
-                style: &style,
-                knobs: &knobs,
-                colours: ink.colours.colours(&style)?,
-                print: print.print()?,
-                painting: maps.painting()?,
-                stencil: stencil.cutting()?,
-            };
-            if let Some(sequence) = &sequence {
-                let film = given::Film { sequence, look, target, fps: options.fps };
-                return film.run(run).map(Some);
-            }
-            let maps = maps.maps();
-            if given::is_picture(&scene.scene) {
-                let given = &Given::open(&scene.scene, &maps, run)?;
-                return given::Job { given, look, target }.run(run).map(Some);
-            }
-            if maps.any() {
-                let range =
-                    "a PNG, JPEG or EXR picture beside --normals, --depth and --discontinuity";
-                return Err(Error::setting("SCENE", &scene.scene, range));
-            }
-            let project = Project::open(&scene.scene, options, run)?;
-            let (project, dump_graph) = (&project, dump_graph.clone());
-            let job = binary::Job { project, look, target, dump_graph };
-            job.run(run).map(Some)
+            let dump_graph = dump_graph.as_deref();
+            let drawing = Drawing { scene, output, ink, print, stencil, maps, dump_graph };
+            binary(&drawing, run).map(Some)
         }
         Command::Lines { scene, output, marks, print, common } => {
-            let options = scene.options()?;
-            let style = Style::of_lines(&marks.style)?;
-            let mut look = lines::Look::of(&style)?;
-            marks.sets.iter().try_for_each(|text| look.set(text))?;
-            if let Some(method) = &marks.method {
-                look.lines.knobs.set("method", method)?;
-            }
-            if let Some(hidden) = &marks.hidden {
-                look.lines.knobs.set("hidden", hidden)?;
-            }
-            if let Some(over) = &marks.over {
-                look.over = lines::Over::parse(over)?;
-            }
-            look.colours = marks.colours.colours(&style)?;
-            look.print = print.print()?;
-            let target = lines::target(output, options.frames.as_ref().map_or(1, Vec::len))?;
-            let project = Project::open(&scene.scene, options, run)?;
-            let check = match marks.check.as_deref() {
-                None => false,
-                Some("fine") => true,
-                Some(other) => return Err(Error::setting("--check", other, "fine")),
-            };
-            let measure = common.json.is_some();
-            lines::Job { project: &project, look, target, measure, check }.run(run).map(Some)
+            draw_lines(scene, output, marks, print, common.json.is_some(), run).map(Some)
         }
         Command::Compare { a, b, motion, .. } => {
-            match (motion, [a, b].into_iter().find(|p| compare_films::is_film(p))) {
-                (Some(motion), _) => compare_films::compare_films(a, b, motion, run).map(Some),
-                (None, Some(film)) => Err(Error::setting(
-                    "--motion",
-                    film.display(),
-                    "films are compared along their motion: name the files of chiaro gbuffer",
-                )),
-                (None, None) => compare::compare(a, b, run).map(Some),
-            }
+            compare_any(a, b, motion.as_deref(), run).map(Some)
         }
         Command::Light { scene, output, light, .. } => {
-            let options = scene.options()?;
-            let settings = LightSettings::of(light)?;
-            let frames = options.frames.as_ref().map_or(1, Vec::len);
-            let target = Target::parse(output, frames)?;
-            light::check_target(&target)?;
-            let project = Project::open(&scene.scene, options, run)?;
-            let job = light::Job {
-                project: &project,
-                knobs: &settings.knobs,
-                method: settings.method,
-                env: light.env.clone(),
-                check: settings.check,
-                bake: light.bake.clone(),
-                tree: light.tree.clone(),
-                book: light.book.clone(),
-                memory: settings.memory,
-                backdrop: settings.backdrop,
-                target,
-            };
-            job.run(run).map(Some)
+            draw_light(scene, output, light, run).map(Some)
         }
         Command::Mincut { file, output, verify, .. } => {
             mincut::Job { file, output: output.clone(), verify: *verify }.run(run).map(Some)
@@ -144,6 +62,140 @@ pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
     }
 }
 
+/// What `binary` was told.
+struct Drawing<'a> {
+    scene: &'a SceneArgs,
+    output: &'a Path,
+    ink: &'a InkArgs,
+    print: &'a PrintArgs,
+    stencil: &'a StencilArgs,
+    maps: &'a MapArgs,
+    dump_graph: Option<&'a Path>,
+}
+
+fn binary(drawing: &Drawing, run: &Run) -> Result<Record> {
+    let Drawing { scene, output, ink, print, stencil, maps, dump_graph } = *drawing;
+    let options = scene.options()?;
+    let (style, knobs) = knobs(ink)?;
+    let sequence = sequence(scene, &options, maps)?;
+    let scene_frames = || options.frames.as_ref().map_or(1, Vec::len);
+    let frames = sequence.as_ref().map_or_else(scene_frames, |s| s.frames().len());
+    let target = Target::parse(output, frames)?;
+    binary::check_target(&target)?;
+    let look = Look {
+        style: &style,
+        knobs: &knobs,
+        colours: ink.colours.colours(&style)?,
+        print: print.print()?,
+        painting: maps.painting()?,
+        stencil: stencil.cutting()?,
+    };
+    if let Some(sequence) = &sequence {
+        let film = given::Film { sequence, look, target, fps: options.fps };
+        return film.run(run);
+    }
+    let maps = maps.maps();
+    if given::is_picture(&scene.scene) {
+        let given = &Given::open(&scene.scene, &maps, run)?;
+        return given::Job { given, look, target }.run(run);
+    }
+    if maps.any() {
+        let range = "a PNG, JPEG or EXR picture beside --normals, --depth and --discontinuity";
+        return Err(Error::setting("SCENE", &scene.scene, range));
+    }
+    let project = Project::open(&scene.scene, options, run)?;
+    let (project, dump_graph) = (&project, dump_graph.map(Path::to_path_buf));
+    let job = binary::Job { project, look, target, dump_graph };
+    job.run(run)
+}
+
+/// The film that another program drew, where the scene is one.
+fn sequence(scene: &SceneArgs, options: &Options, maps: &MapArgs) -> Result<Option<Sequence>> {
+    if !given::is_sequence(&scene.scene) {
+        return Ok(None);
+    }
+    let (frames, shot) = (options.frames.clone(), options.shot.clone());
+    Sequence::open(&scene.scene, maps.maps(), frames, shot).map(Some)
+}
+
+fn draw_lines(
+    scene: &SceneArgs,
+    output: &Path,
+    marks: &MarksArgs,
+    print: &PrintArgs,
+    measure: bool,
+    run: &Run,
+) -> Result<Record> {
+    let options = scene.options()?;
+    let style = Style::of_lines(&marks.style)?;
+    let look = look_of_lines(&style, marks, print)?;
+    let target = lines::target(output, options.frames.as_ref().map_or(1, Vec::len))?;
+    let project = Project::open(&scene.scene, options, run)?;
+    let check = match marks.check.as_deref() {
+        None => false,
+        Some("fine") => true,
+        Some(other) => return Err(Error::setting("--check", other, "fine")),
+    };
+    lines::Job { project: &project, look, target, measure, check }.run(run)
+}
+
+fn look_of_lines<'a>(
+    style: &'a Style,
+    marks: &MarksArgs,
+    print: &PrintArgs,
+) -> Result<lines::Look<'a>> {
+    let mut look = lines::Look::of(style)?;
+    marks.sets.iter().try_for_each(|text| look.set(text))?;
+    if let Some(method) = &marks.method {
+        look.lines.knobs.set("method", method)?;
+    }
+    if let Some(hidden) = &marks.hidden {
+        look.lines.knobs.set("hidden", hidden)?;
+    }
+    if let Some(over) = &marks.over {
+        look.over = lines::Over::parse(over)?;
+    }
+    look.colours = marks.colours.colours(style)?;
+    look.print = print.print()?;
+    Ok(look)
+}
+
+/// Two pictures, or two films along the motion of one of them.
+fn compare_any(a: &Path, b: &Path, motion: Option<&Path>, run: &Run) -> Result<Record> {
+    match (motion, [a, b].into_iter().find(|p| compare_films::is_film(p))) {
+        (Some(motion), _) => compare_films::compare_films(a, b, motion, run),
+        (None, Some(film)) => Err(Error::setting(
+            "--motion",
+            film.display(),
+            "films are compared along their motion: name the files of chiaro gbuffer",
+        )),
+        (None, None) => compare::compare(a, b, run),
+    }
+}
+
+fn draw_light(scene: &SceneArgs, output: &Path, light: &LightArgs, run: &Run) -> Result<Record> {
+    let options = scene.options()?;
+    let settings = LightSettings::of(light)?;
+    let frames = options.frames.as_ref().map_or(1, Vec::len);
+    let target = Target::parse(output, frames)?;
+    chiaro::light::check_target(&target)?;
+    let project = Project::open(&scene.scene, options, run)?;
+    let job = chiaro::light::Job {
+        project: &project,
+        knobs: &settings.knobs,
+        method: settings.method,
+        env: light.env.clone(),
+        check: settings.check,
+        bake: light.bake.clone(),
+        tree: light.tree.clone(),
+        book: light.book.clone(),
+        memory: settings.memory,
+        backdrop: settings.backdrop,
+        target,
+    };
+    job.run(run)
+}
+
 fn knobs(ink: &InkArgs) -> Result<(Style, chiaro_binary::BinaryKnobs)> {
     let style = Style::of_regions(&ink.style)?;
     let mut knobs = style.binary.clone();
@@ -156,8 +208,8 @@ fn knobs(ink: &InkArgs) -> Result<(Style, chiaro_binary::BinaryKnobs)> {
 /// What the options of light mean.
 struct LightSettings {
     knobs: chiaro_pbgi::LightKnobs,
-    method: light::Method,
-    check: light::Check,
+    method: chiaro::light::Method,
+    check: chiaro::light::Check,
     backdrop: Option<[f32; 4]>,
     memory: Option<u64>,
 }
@@ -174,8 +226,11 @@ impl LightSettings {
             }
             knobs.set("max_error", &error.to_string())?;
         }
-        let memory =
-            args.memory.as_deref().map(|m| light::parse_bytes("--memory", m)).transpose()?;
+        let memory = args
+            .memory
+            .as_deref()
+            .map(|m| chiaro::light::parse_bytes("--memory", m))
+            .transpose()?;
         if args.bake.is_some() || args.tree.is_some() || args.book.is_some() {
             knobs.set("tree", "compact")?;
         }
@@ -183,17 +238,17 @@ impl LightSettings {
             knobs.set("exposure", &stops.to_string())?;
         }
         let method = match args.method.as_str() {
-            "pbgi" => light::Method::Pbgi,
-            "path" => light::Method::Path,
+            "pbgi" => chiaro::light::Method::Pbgi,
+            "path" => chiaro::light::Method::Path,
             other => return Err(Error::setting("--method", other, "pbgi or path")),
         };
         let check = match args.check.as_deref() {
-            None => light::Check::Nothing,
-            Some(word) if method != light::Method::Pbgi => {
+            None => chiaro::light::Check::Nothing,
+            Some(word) if method != chiaro::light::Method::Pbgi => {
                 return Err(Error::setting("--check", word, "--method pbgi beside it"));
             }
-            Some("path") => light::Check::Path,
-            Some("exact") if knobs.is_compact() => light::Check::Exact,
+            Some("path") => chiaro::light::Check::Path,
+            Some("exact") if knobs.is_compact() => chiaro::light::Check::Exact,
             Some("exact") => {
                 let remedy = "--set tree=compact or --set clusters=N beside it";
                 return Err(Error::setting("--check", "exact", remedy));
