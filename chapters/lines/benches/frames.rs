@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+/// What is done once a shot: the surface, its lines that are edges, the last of identity.
+const ONCE: &str = "once";
+
 /// Sums the seconds of each stage.
 #[derive(Default)]
 struct Clock(Mutex<Times>);
@@ -24,14 +27,16 @@ struct Times {
 }
 
 impl Observer for Clock {
-    fn begin(&self, stage: &'static str, _items: u64) {
+    fn begin(&self, stage: &'static str, items: u64) {
+        // What counts no frames is done once a shot.
+        let stage = if items == 0 { ONCE } else { stage };
         let mut state = self.0.lock().expect("nobody panics with the clock");
         state.running.push((stage, Instant::now()));
     }
 
-    fn end(&self, stage: &'static str) {
+    fn end(&self, _stage: &'static str) {
         let mut state = self.0.lock().expect("nobody panics with the clock");
-        if let Some((_, start)) = state.running.pop() {
+        if let Some((stage, start)) = state.running.pop() {
             *state.seconds.entry(stage).or_insert(0.0) += start.elapsed().as_secs_f64();
         }
     }
@@ -73,7 +78,10 @@ fn film(name: &str, frames: usize) {
         rayon::current_num_threads()
     );
     for (stage, seconds) in &clock.0.lock().expect("nobody panics with the clock").seconds {
-        println!("  {stage:<8} {:.2} ms a frame", 1e3 * seconds / frames as f64);
+        match *stage {
+            ONCE => println!("  {stage:<8} {:.2} ms", 1e3 * seconds),
+            _ => println!("  {stage:<8} {:.2} ms a frame", 1e3 * seconds / frames as f64),
+        }
     }
     for (measure, value) in measure(&film).named() {
         println!("  {measure:<24} {value:.4}");

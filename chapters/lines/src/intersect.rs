@@ -36,10 +36,14 @@ pub(crate) fn intersections(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Pat
     if pieces.len() > MANY && pieces.iter().all(|p| *p == 0) {
         return Vec::new();
     }
+    let pairs = pairs(scenery, sight);
+    if pairs.is_empty() {
+        return Vec::new();
+    }
     let edges = Edges::of(scenery.surface);
     let mut holes = HashMap::new();
     let mut shared = Vec::new();
-    for (f, g) in pairs(scenery, sight) {
+    for (f, g) in pairs {
         if let Some(ends) = edges.holes(scenery, (f, g), &mut holes) {
             shared.push(Shared { faces: [f, g], ends });
         }
@@ -82,7 +86,7 @@ impl Boxed {
 fn pairs(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<(u32, u32)> {
     let pieces = &scenery.surface.pieces;
     let piece = |b: &Boxed| pieces[b.face as usize];
-    let (regions, all) = (regions(scenery), pieces.len() <= MANY);
+    let (regions, all) = (regions(scenery, sight), pieces.len() <= MANY);
     let tried = |a: &Boxed, b: &Boxed| {
         piece(a) != piece(b) || (all && !touch(scenery.surface, a.face, b.face))
     };
@@ -121,14 +125,14 @@ fn touch(surface: &Surface, a: u32, b: u32) -> bool {
     a.iter().any(|p| b.contains(p))
 }
 
-/// For each piece, a box that holds all of it that is within the boxes of others.
-fn regions(scenery: &Scenery<'_>) -> Vec<Boxed> {
+/// For each piece, a box that holds all of it that is within the boxes of others, as far as the picture shows them.
+fn regions(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Boxed> {
     let pieces = &scenery.surface.pieces;
     let count = pieces.iter().max().map_or(0, |p| *p + 1);
     let mut boxes: Vec<Boxed> = (0..count).map(Boxed::nothing).collect();
-    for (f, piece) in pieces.iter().enumerate() {
-        let face = Boxed::of(f as u32, scenery);
-        boxes[*piece as usize].grow(face.low, face.high);
+    for f in sight.tiles().flatten() {
+        let face = Boxed::of(*f, scenery);
+        boxes[pieces[*f as usize] as usize].grow(face.low, face.high);
     }
     let mut regions: Vec<Boxed> = (0..count).map(Boxed::nothing).collect();
     boxes.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.face.cmp(&b.face)));

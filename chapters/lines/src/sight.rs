@@ -9,11 +9,13 @@ use crate::contour::Scenery;
 use crate::cover::Cover;
 use crate::mask::Masks;
 use crate::surface::{NONE, Surface};
-use crate::view::Seen;
+use crate::view::{Seen, View};
 use chiaro_basis::math::DVec2;
 
-/// Side of a tile in pixels.
-const TILE: f64 = 8.0;
+/// Sides of tiles that are tried, pixels: the less, the fewer faces in each.
+const TILES: [f64; 3] = [2.0, 4.0, 8.0];
+/// Tiles are small enough when faces are in so many times as many of them as of the largest.
+const SPREAD: f64 = 1.5;
 /// Faces from which a depth buffer is worth its while.
 const MANY: usize = 50_000;
 
@@ -22,10 +24,7 @@ pub struct Sight<'a> {
     surface: &'a Surface,
     /// Homogeneous picture coordinates and depth of every vertex.
     vertices: Vec<[f64; 4]>,
-    /// Columns and rows of tiles left of and above the picture: lines are followed out of it.
-    rim: usize,
-    columns: usize,
-    rows: usize,
+    grid: Grid,
     start: Vec<u32>,
     faces: Vec<u32>,
     /// Beside each of `faces`, what it surely stays within: questions touch little else.
@@ -56,6 +55,19 @@ impl Bounds {
         Self { low: [down(low.x), down(low.y)], high: [up(high.x), up(high.y)], near: down(near) }
     }
 
+    fn low(&self) -> DVec2 {
+        DVec2::new(f64::from(self.low[0]), f64::from(self.low[1]))
+    }
+
+    fn high(&self) -> DVec2 {
+        DVec2::new(f64::from(self.high[0]), f64::from(self.high[1]))
+    }
+
+    /// A place and a depth as they are asked about.
+    fn ask(seen: &Seen) -> ([f32; 2], f32) {
+        ([seen.at.x as f32, seen.at.y as f32], (seen.depth * (1.0 + WIDER)) as f32)
+    }
+
     fn may_hide(&self, [x, y]: [f32; 2], depth: f32) -> bool {
         let inside = (self.low[0] <= x) & (x <= self.high[0]) & (self.low[1] <= y);
         inside & (y <= self.high[1]) & (self.near <= depth)
@@ -69,10 +81,8 @@ impl<'a> Sight<'a> {
         let vertices: Vec<[f64; 4]> =
             posed.positions.iter().map(|p| view.homogeneous(*p)).collect();
         let near = f64::from(view.pose.near).max(1e-9);
-        let rim = tiles(scenery.margin);
-        let [columns, rows] = [view.size.0, view.size.1].map(|n| tiles(n as f64).max(1) + 2 * rim);
-        let first = DVec2::splat(rim as f64 * TILE);
-        let mut spans = Vec::new();
+        let whole = Grid::of(view, scenery.margin, TILES[2]);
+        let mut shown: Vec<(u32, Bounds)> = Vec::new();
         let mut cover = (surface.real_faces >= MANY).then(|| Cover::new(view));
         for (f, face) in surface.faces[..surface.real_faces].iter().enumerate() {
             let corners = face.map(|v| vertices[v as usize]);
@@ -81,9 +91,12 @@ impl<'a> Sight<'a> {
                 continue;
             }
             let Some((low, high)) = extent(&corners, near) else { continue };
-            let Some(span) = span(low + first, high + first, columns, rows) else { continue };
             let nearest = corners.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
-            spans.push((f as u32, span, Bounds::of(low, high, nearest), [low, high]));
+            let bounds = Bounds::of(low, high, nearest);
+            if whole.span(&bounds).is_none() {
+                continue;
+            }
+            shown.push((f as u32, bounds));
             if let Some(cover) = &mut cover
                 && nearest > near
                 && !masks.has(f as u32)
@@ -92,27 +105,12 @@ impl<'a> Sight<'a> {
             }
         }
         if let Some(cover) = &cover {
-            spans.retain(|s| !cover.buries(s.3[0], s.3[1], f64::from(s.2.near)));
+            shown.retain(|(_, b)| !cover.buries(b.low(), b.high(), f64::from(b.near)));
         }
-        let mut start = vec![0u32; columns * rows + 1];
-        for (_, span, ..) in &spans {
-            for_tiles(*span, columns, |t| start[t + 1] += 1);
-        }
-        for t in 0..columns * rows {
-            start[t + 1] += start[t];
-        }
-        let mut at = start.clone();
-        let mut faces = vec![0; start[columns * rows] as usize];
-        let mut bounds = vec![Bounds::NONE; faces.len()];
-        for (f, span, bound, _) in spans {
-            for_tiles(span, columns, |t| {
-                faces[at[t] as usize] = f;
-                bounds[at[t] as usize] = bound;
-                at[t] += 1;
-            });
-        }
+        let grid = Grid::fitting(view, scenery.margin, &shown);
+        let (start, faces, bounds) = grid.sorted(&shown);
         let several = surface.pieces.iter().any(|p| *p != 0);
-        Self { surface, vertices, rim, columns, rows, start, faces, bounds, masks, cover, several }
+        Self { surface, vertices, grid, start, faces, bounds, masks, cover, several }
     }
 
     /// Whether a picture position is in holes of all of these faces ([`NONE`] left out).
@@ -153,33 +151,39 @@ impl<'a> Sight<'a> {
     /// `pushed` out of the surface for faces of its own piece, where it is for those of others: what stands on a
     /// floor is not pushed into it. Far outside the picture nothing is hidden.
     pub fn hidden(&self, [pushed, plain]: [Seen; 2], slack: f64, own: &[u32; 2]) -> bool {
-        let pieces = &self.surface.pieces;
-        let of = |f: &u32| pieces.get(*f as usize).copied();
-        let own_piece = own.iter().find_map(of);
-        if pushed == plain || own_piece.is_none() || !self.several {
-            return self.hides(pushed, slack, |f| !own.contains(&f));
-        }
-        self.hides(pushed, slack, |f| !own.contains(&f) && of(&f) == own_piece)
-            || self.hides(plain, slack, |f| of(&f) != own_piece)
-    }
-
-    /// Whether some face that `counts` is in front of a point.
-    fn hides(&self, Seen { at, depth }: Seen, slack: f64, counts: impl Fn(u32) -> bool) -> bool {
-        let rim = self.rim as f64;
-        let (tx, ty) = ((at.x / TILE).floor() + rim, (at.y / TILE).floor() + rim);
-        if !(tx >= 0.0 && ty >= 0.0 && tx < self.columns as f64 && ty < self.rows as f64) {
-            return false;
-        }
-        if self.surely_hidden(at, depth) {
+        let Some(tile) = self.grid.at(pushed.at) else { return false };
+        if self.surely_hidden(pushed.at, pushed.depth) {
             return true;
         }
-        let tile = ty as usize * self.columns + tx as usize;
+        let pieces = &self.surface.pieces;
+        let of = |f: u32| pieces.get(f as usize).copied();
+        let own_piece = own.iter().find_map(|f| of(*f)).filter(|_| self.several);
+        let is_own = |f: u32| own_piece.is_none_or(|p| of(f) == Some(p));
+        let nearer = |f: u32, Seen { at, depth }: Seen| {
+            !own.contains(&f) && self.depth(f, at).is_some_and(|z| z > 0.0 && z < depth - slack)
+        };
+        if own_piece.is_none() || pushed == plain {
+            return self.faces_at(tile, [&pushed; 2]).any(|f| nearer(f, pushed));
+        }
+        match self.grid.at(plain.at) {
+            Some(other) if other == tile => self
+                .faces_at(tile, [&pushed, &plain])
+                .any(|f| nearer(f, if is_own(f) { pushed } else { plain })),
+            other => {
+                self.faces_at(tile, [&pushed; 2]).any(|f| is_own(f) && nearer(f, pushed))
+                    || other.is_some_and(|other| {
+                        self.faces_at(other, [&plain; 2]).any(|f| !is_own(f) && nearer(f, plain))
+                    })
+            }
+        }
+    }
+
+    /// The faces of a tile that may be before one of two points.
+    fn faces_at(&self, tile: usize, asked: [&Seen; 2]) -> impl Iterator<Item = u32> {
+        let [p, q] = asked.map(Bounds::ask);
         let range = self.start[tile] as usize..self.start[tile + 1] as usize;
-        let (place, far) = ([at.x as f32, at.y as f32], (depth * (1.0 + WIDER)) as f32);
         let faces = self.faces[range.clone()].iter().zip(&self.bounds[range]);
-        faces.filter(|(_, bounds)| bounds.may_hide(place, far)).any(|(f, _)| {
-            counts(*f) && self.depth(*f, at).is_some_and(|z| z > 0.0 && z < depth - slack)
-        })
+        faces.filter(move |(_, b)| b.may_hide(p.0, p.1) | b.may_hide(q.0, q.1)).map(|(f, _)| *f)
     }
 
     /// The faces of each tile.
@@ -203,10 +207,6 @@ impl<'a> Sight<'a> {
     }
 }
 
-fn tiles(pixels: f64) -> usize {
-    (pixels / TILE).ceil() as usize
-}
-
 /// Whether a face shows its front (its corners turn counter-clockwise on paper, y down); `None`
 /// edge-on.
 pub(crate) fn shows_front(c: &[[f64; 4]; 3]) -> Option<bool> {
@@ -215,9 +215,6 @@ pub(crate) fn shows_front(c: &[[f64; 4]; 3]) -> Option<bool> {
         + a[2] * (b[0] * d[1] - b[1] * d[0]);
     (det != 0.0).then_some(det < 0.0)
 }
-
-/// First and last column and row of the tiles that a face may cover.
-type Span = [u32; 4];
 
 /// Least and greatest picture position of what of a face is in front of the camera.
 pub(crate) fn extent(corners: &[[f64; 4]; 3], near: f64) -> Option<(DVec2, DVec2)> {
@@ -241,18 +238,88 @@ pub(crate) fn extent(corners: &[[f64; 4]; 3], near: f64) -> Option<(DVec2, DVec2
     (low.x <= high.x && low.y <= high.y).then_some((low, high))
 }
 
-fn span(low: DVec2, high: DVec2, columns: usize, rows: usize) -> Option<Span> {
-    let (w, h) = (columns as f64, rows as f64);
-    let (low, high) = ((low / TILE).floor(), (high / TILE).floor());
-    let outside = !(low.x < w && low.y < h && high.x >= 0.0 && high.y >= 0.0);
-    let clamp = |v: f64, most: f64| v.clamp(0.0, most - 1.0) as u32;
-    (!outside).then(|| [clamp(low.x, w), clamp(low.y, h), clamp(high.x, w), clamp(high.y, h)])
+/// Square tiles of the picture and of a rim around it: lines are followed out of it.
+struct Grid {
+    tile: f64,
+    /// Columns and rows of tiles left of and above the picture.
+    rim: f64,
+    columns: usize,
+    rows: usize,
 }
 
-fn for_tiles([x0, y0, x1, y1]: Span, columns: usize, mut each: impl FnMut(usize)) {
-    for y in y0..=y1 {
-        for x in x0..=x1 {
-            each(y as usize * columns + x as usize);
+impl Grid {
+    fn of(view: &View, margin: f64, tile: f64) -> Self {
+        let tiles = |pixels: f64| (pixels / tile).ceil() as usize;
+        let rim = tiles(margin);
+        let [columns, rows] = [view.size.0, view.size.1].map(|n| tiles(n as f64).max(1) + 2 * rim);
+        Self { tile, rim: rim as f64, columns, rows }
+    }
+
+    /// Tiles as small as makes sense for some faces.
+    fn fitting(view: &View, margin: f64, faces: &[(u32, Bounds)]) -> Self {
+        let [small, middle, large] = TILES.map(|tile| Self::of(view, margin, tile));
+        let entries = |grid: &Self| faces.iter().map(|(_, b)| grid.count(b)).sum::<usize>() as f64;
+        let most = SPREAD * entries(&large);
+        match () {
+            () if entries(&small) <= most => small,
+            () if entries(&middle) <= most => middle,
+            () => large,
         }
+    }
+
+    /// The tile of a picture position.
+    fn at(&self, p: DVec2) -> Option<usize> {
+        let place = (p / self.tile).floor() + self.rim;
+        let inside = place.cmpge(DVec2::ZERO).all()
+            && place.x < self.columns as f64
+            && place.y < self.rows as f64;
+        inside.then(|| place.y as usize * self.columns + place.x as usize)
+    }
+
+    /// First and last column and row of the tiles that a face may cover.
+    fn span(&self, bounds: &Bounds) -> Option<[u32; 4]> {
+        let (w, h) = (self.columns as f64, self.rows as f64);
+        let [low, high] = [bounds.low(), bounds.high()].map(|p| (p / self.tile).floor() + self.rim);
+        let outside = !(low.x < w && low.y < h && high.x >= 0.0 && high.y >= 0.0);
+        let clamp = |v: f64, most: f64| v.clamp(0.0, most - 1.0) as u32;
+        (!outside).then(|| [clamp(low.x, w), clamp(low.y, h), clamp(high.x, w), clamp(high.y, h)])
+    }
+
+    /// How many tiles a face may cover.
+    fn count(&self, bounds: &Bounds) -> usize {
+        let count = |[x0, y0, x1, y1]: [u32; 4]| (x1 - x0 + 1) as usize * (y1 - y0 + 1) as usize;
+        self.span(bounds).map_or(0, count)
+    }
+
+    fn for_tiles(&self, bounds: &Bounds, mut each: impl FnMut(usize)) {
+        let Some([x0, y0, x1, y1]) = self.span(bounds) else { return };
+        for y in y0..=y1 {
+            for x in x0..=x1 {
+                each(y as usize * self.columns + x as usize);
+            }
+        }
+    }
+
+    /// Faces tile by tile: where those of each begin, which they are, and their bounds.
+    fn sorted(&self, faces: &[(u32, Bounds)]) -> (Vec<u32>, Vec<u32>, Vec<Bounds>) {
+        let count = self.columns * self.rows;
+        let mut start = vec![0u32; count + 1];
+        for (_, bounds) in faces {
+            self.for_tiles(bounds, |t| start[t + 1] += 1);
+        }
+        for t in 0..count {
+            start[t + 1] += start[t];
+        }
+        let mut at = start.clone();
+        let mut sorted = vec![0; start[count] as usize];
+        let mut beside = vec![Bounds::NONE; sorted.len()];
+        for (face, bounds) in faces {
+            self.for_tiles(bounds, |t| {
+                sorted[at[t] as usize] = *face;
+                beside[at[t] as usize] = *bounds;
+                at[t] += 1;
+            });
+        }
+        (start, sorted, beside)
     }
 }

@@ -42,8 +42,10 @@ const EDGE_SLACK: f64 = 1e-4;
 const VACANT: f64 = 16.0;
 /// Lines meet in space where their depths differ by less than this, in parts of the depth.
 const MEET: f64 = 1e-3;
-/// Side of the squares in which crossings are looked for, pixels.
-const CELL: f64 = 8.0;
+/// Greatest and least side of the squares in which crossings are looked for, pixels.
+const CELL: [f64; 2] = [8.0, 2.0];
+/// How many lines a square may hold on the mean.
+const HELD: f64 = 0.25;
 
 /// What is too short to matter, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -521,6 +523,7 @@ fn cuts_others(kind: Kind) -> bool {
 
 /// Squares of the picture with the segments that may pass through each.
 struct Cells {
+    side: f64,
     columns: usize,
     rows: usize,
     start: Vec<u32>,
@@ -529,8 +532,11 @@ struct Cells {
 
 impl Cells {
     fn of(lines: &[Straight], view: &View) -> Self {
-        let cells = |p: usize| (p as f64 / CELL).ceil() as usize + 2;
+        let area = (view.size.0 * view.size.1) as f64;
+        let side = (HELD * area / lines.len().max(1) as f64).sqrt().clamp(CELL[1], CELL[0]);
+        let cells = |p: usize| (p as f64 / side).ceil() as usize + 2;
         let mut this = Self {
+            side,
             columns: cells(view.size.0),
             rows: cells(view.size.1),
             start: Vec::new(),
@@ -557,7 +563,7 @@ impl Cells {
     /// Column and row; the first of each holds what is left of or above the picture.
     fn grid(&self, p: DVec2) -> (usize, usize) {
         let clamp =
-            |x: f64, n: usize| ((x / CELL).floor() + 1.0).clamp(0.0, (n - 1) as f64) as usize;
+            |x: f64, n: usize| ((x / self.side).floor() + 1.0).clamp(0.0, (n - 1) as f64) as usize;
         (clamp(p.x, self.columns), clamp(p.y, self.rows))
     }
 
@@ -572,7 +578,7 @@ impl Cells {
         let slope = (bottom.x - top.x) / (bottom.y - top.y);
         for y in y0..=y1 {
             // The part of the line in this row, and a little more.
-            let edge = |row: usize| (row as f64 - 1.0) * CELL;
+            let edge = |row: usize| (row as f64 - 1.0) * self.side;
             let at = |height: f64| top.x + slope * (height - top.y);
             let from = if y == y0 { top.x } else { at(edge(y)) };
             let to = if y == y1 { bottom.x } else { at(edge(y + 1)) };
