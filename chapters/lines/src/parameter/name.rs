@@ -1,10 +1,10 @@
 //! Names: ids of strokes after they were cut and linked.
 //!
-//! An id is a chart: in every frame a length of texture of its own, of which parts may be hidden. So
-//! lines join where links that are trusted lead from one to the other, first where two are each
-//! other's best, then heaviest first; what was one line before it was hidden comes last. Lines of
-//! one frame share an id where their stretches of u lie beside each other, as when a line is parted
-//! by what passes before it or by a saddle; never where they overlap.
+//! Lines join where links that are trusted lead from one to the other, heaviest first, or first where two
+//! are each other's best: whichever keeps more of the links within an id. What was one line before it was
+//! hidden comes last. Lines of one frame share an id where they are parts of one line of the surface, and
+//! where their stretches of u lie beside each other, as when a line is parted by what passes before it or
+//! by a saddle. Where two ids run into each other for good one of them ends.
 
 use super::cut::Kept;
 use super::net::{Line, Net, strokes};
@@ -45,9 +45,10 @@ pub(crate) fn rename(film: &mut Film, net: &Net, kept: &Kept, scale: &[f64]) {
         spans.push(span(&net.lines[line], &kept.u, scale[line], chain));
         old.push(s.id);
     }
-    let mut groups = Groups::of(spans);
-    for bundle in bundles(net, &kept.trust) {
-        groups.join(bundle.lines, overlaps);
+    let bundles = bundles(net, &kept.trust);
+    let [mut groups, other] = [true, false].map(|mutual| Groups::joined(&spans, &bundles, mutual));
+    if other.kept(&bundles) > groups.kept(&bundles) {
+        groups = other;
     }
     let apart = kept_apart(net, &kept.trust);
     let mut seen: BTreeMap<u32, u32> = BTreeMap::new();
@@ -75,6 +76,11 @@ fn span(line: &Line, u: &[f64], scale: f64, chain: u32) -> Span {
     Span { frame: line.frame, from, to, chain }
 }
 
+/// Whether two lines of one frame can have no id in common.
+fn clash(a: &Span, b: &Span) -> bool {
+    a.chain != b.chain && overlaps(a, b)
+}
+
 fn overlaps(a: &Span, b: &Span) -> bool {
     let shared = a.to.min(b.to) - a.from.max(b.from);
     let shorter = (a.to - a.from).min(b.to - b.from);
@@ -97,7 +103,7 @@ fn kept_apart(net: &Net, trust: &[f64]) -> BTreeMap<[u32; 2], [f64; 2]> {
     weights(net, trust).into_iter().filter(|(_, w)| w[0] < CUT * w[1]).collect()
 }
 
-/// Bundles of trusted links in the order in which they join: mutual ones first, then by weight.
+/// Bundles of trusted links, the heaviest first.
 fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
     let weights = weights(net, trust);
     let mut best: [BTreeMap<u32, (f64, u32)>; 2] = [BTreeMap::new(), BTreeMap::new()];
@@ -119,9 +125,7 @@ fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
             mutual: is_best(lines, 0) && is_best(lines, 1),
         })
         .collect();
-    bundles.sort_by(|a, b| {
-        b.mutual.cmp(&a.mutual).then(b.weight.total_cmp(&a.weight)).then(a.lines.cmp(&b.lines))
-    });
+    bundles.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.lines.cmp(&b.lines)));
     bundles
 }
 
@@ -133,9 +137,29 @@ struct Groups {
 }
 
 impl Groups {
-    fn of(spans: Vec<Span>) -> Self {
+    fn of(spans: &[Span]) -> Self {
         let parent = (0..spans.len() as u32).collect();
-        Self { parent, spans: spans.into_iter().map(|s| vec![s]).collect() }
+        Self { parent, spans: spans.iter().map(|s| vec![*s]).collect() }
+    }
+
+    /// Lines joined along bundles in their order, or along mutual ones before all others.
+    fn joined(spans: &[Span], bundles: &[Bundle], mutual: bool) -> Self {
+        let mut groups = Self::of(spans);
+        let first = bundles.iter().filter(|b| mutual && b.mutual);
+        first.chain(bundles).for_each(|b| groups.join(b.lines, clash));
+        groups
+    }
+
+    /// The weight of the bundles within groups.
+    fn kept(&self, bundles: &[Bundle]) -> f64 {
+        let root = |mut x: u32| {
+            while self.parent[x as usize] != x {
+                x = self.parent[x as usize];
+            }
+            x
+        };
+        let within = bundles.iter().filter(|b| root(b.lines[0]) == root(b.lines[1]));
+        within.map(|b| b.weight).sum()
     }
 
     fn root(&mut self, x: u32) -> u32 {
@@ -183,12 +207,24 @@ mod tests {
             span(1, 42.0, 100.0),
             span(1, 50.0, 90.0),
         ];
-        let mut groups = Groups::of(spans);
+        let mut groups = Groups::of(&spans);
         for b in 1..4 {
             groups.join([0, b], overlaps);
         }
         let roots: Vec<u32> = (0..4).map(|i| groups.root(i)).collect();
         assert_eq!(roots, [0, 0, 0, 3]);
+    }
+
+    #[test]
+    fn names_keep_what_weighs_most() {
+        // A long line (0) and a short one (1) become one (2), which the short one alone likes best.
+        let spans = [span(0, 0.0, 100.0), span(0, 0.0, 30.0), span(1, 0.0, 100.0)]
+            .map(|s| Span { chain: s.to as u32, ..s });
+        let bundle = |lines, weight, mutual| Bundle { lines, weight, mutual };
+        let bundles = [bundle([0, 2], 90.0, false), bundle([1, 2], 30.0, true)];
+        let kept =
+            [true, false].map(|mutual| Groups::joined(&spans, &bundles, mutual).kept(&bundles));
+        assert_eq!(kept, [30.0, 90.0]);
     }
 
     #[test]
