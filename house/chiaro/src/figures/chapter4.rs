@@ -1,4 +1,4 @@
-//! Figures 4.1 to 4.5, and the lines of every scene.
+//! Figures 4.1, 4.2 and 4.5, and the lines of every scene.
 
 use super::Figure;
 use crate::lines::{Shot, camera, picture};
@@ -15,7 +15,7 @@ use chiaro_scene::{Pose, demo};
 const SIZE: (usize, usize) = (560, 420);
 pub(super) const OBJECT: &str = "bumpy-torus";
 
-pub(super) const FIGURES: [Figure; 5] = [
+pub(super) const FIGURES: [Figure; 4] = [
     Figure {
         name: "4.1",
         title: "the contour, and the same contour from elsewhere",
@@ -29,14 +29,6 @@ pub(super) const FIGURES: [Figure; 5] = [
         message: "A turning ring: each sample of a line, and where its material point goes in four frames.",
         columns: 2,
         draw: material_points,
-    },
-    Figure {
-        name: "4.4",
-        title: "the space-time surface",
-        message: "Slices of S from the first frame (front) to the last; one colour a line. Rings: births, \
-                  dots: deaths, crosses: saddles.",
-        columns: 2,
-        draw: space_time,
     },
     Figure {
         name: "4.5",
@@ -65,6 +57,11 @@ pub(super) struct Canvas(Plane<[f32; 3]>);
 impl Canvas {
     pub(super) fn new(size: (usize, usize)) -> Self {
         Self(Plane::filled(size.0, size.1, [1.0; 3]))
+    }
+
+    /// On a picture.
+    pub(super) fn on(picture: Plane<[f32; 3]>) -> Self {
+        Self(picture)
     }
 
     pub(super) fn lines(&mut self, lines: &[Polyline], width: f32, colour: Colour) {
@@ -198,41 +195,6 @@ pub(super) fn mark(kind: EventKind, at: DVec2, radius: f64) -> Vec<Polyline> {
             vec![bar(DVec2::splat(radius)), bar(DVec2::new(radius, -radius))]
         }
     }
-}
-
-fn space_time(sheet: &mut Sheet, run: &Run) -> Result<()> {
-    for scene in [OBJECT, "peanut"] {
-        let frames = 48;
-        let shot = shot(scene, frames, (360, 270), &LinesKnobs::default(), run)?;
-        let mut canvas = Canvas::new((720, 480));
-        // Later slices stand further to the upper right.
-        let place = |p: DVec2, time: f64| {
-            let t = time / f64::from(frames - 1);
-            DVec2::new(10.0 + 0.95 * p.x + 340.0 * t, 215.0 + 0.95 * p.y - 200.0 * t)
-        };
-        for (i, frame) in shot.film.frames.iter().enumerate().rev() {
-            for stroke in &frame.strokes {
-                let put = |s: &chiaro_lines::Sample| place(s.at, i as f64).as_vec2().to_array();
-                let points = stroke.samples.iter().map(put).collect();
-                let line = Polyline { points, closed: stroke.closed };
-                canvas.lines(&[line], 1.0, picture::id_colour(stroke.id));
-            }
-        }
-        for event in &shot.film.events {
-            if let Some(at) = event.at {
-                canvas.lines(&mark(event.kind, place(at, event.time), 4.0), 1.5, BLACK);
-            }
-        }
-        let count = |kind| shot.film.events.iter().filter(|e| e.kind == kind).count();
-        let text = format!(
-            "{scene}, {frames} frames: {} births, {} deaths, {} saddles",
-            count(EventKind::Birth),
-            count(EventKind::Death),
-            count(EventKind::Saddle)
-        );
-        sheet.add(canvas.done(), text);
-    }
-    Ok(())
 }
 
 fn events(sheet: &mut Sheet, run: &Run) -> Result<()> {

@@ -18,6 +18,7 @@ mod overview;
 mod painting;
 mod plate;
 mod quantized;
+mod spacetime;
 mod strokes;
 mod swept;
 
@@ -45,7 +46,11 @@ struct Figure {
 fn all() -> impl Iterator<Item = &'static Figure> {
     let chapter3 = (chapter3::FIGURES.iter().chain(&painting::FIGURES))
         .chain(comparisons::FIGURES.iter().chain(&films::FIGURES));
-    let chapter4 = chapter4::FIGURES.iter().chain(&swept::FIGURES).chain(&strokes::FIGURES);
+    let chapter4 = chapter4::FIGURES
+        .iter()
+        .chain(&spacetime::FIGURES)
+        .chain(&swept::FIGURES)
+        .chain(&strokes::FIGURES);
     let lines = chapter3.chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES);
     lines.chain(&overview::FIGURES)
 }
