@@ -93,7 +93,7 @@ fn bands(shot: &Shot, places: &Places, i: usize, model: &mut Model) {
     let frame = &shot.film.frames[i];
     let forward = &frame.interval.forward;
     for (chain, label) in frame.slice.chains.iter().zip(&frame.labels) {
-        let shade = if i % 4 == 0 { 0.8 } else { 1.0 };
+        let shade = if i.is_multiple_of(4) { 0.8 } else { 1.0 };
         let colour = picture::id_colour(*label).map(|c| c * shade);
         for k in 0..chain.count - u32::from(!chain.closed) {
             let [a, b] = [k, (k + 1) % chain.count].map(|k| (chain.start + k) as usize);
