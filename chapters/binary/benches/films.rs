@@ -151,12 +151,13 @@ impl Takes {
         }
         let [film, alone] = &sums;
         println!(
-            "{motion:<13} {row:<28} reversals x {:.2} ({:.1e} of {:.1e}), energy +{:.2} % (islands alone +{:.2} %), lag {:.2} px, pops {} of {} px, {:.0} ms a frame",
+            "{motion:<13} {row:<28} reversals x {:.2} ({:.1e} of {:.1e}), energy +{:.2} % (islands alone +{:.2} %, coherence +{:.2} %), lag {:.2} px, pops {} of {} px, {:.0} ms a frame",
             film.reversals_per_pixel() / alone.reversals_per_pixel().max(1e-12),
             film.reversals_per_pixel(),
             alone.reversals_per_pixel(),
             100.0 * film.energy_excess(),
             100.0 * alone.energy_excess(),
+            100.0 * ((1.0 + film.energy_excess()) / (1.0 + alone.energy_excess()) - 1.0),
             film.lag_px(),
             film.pop_p99(),
             alone.pop_p99(),

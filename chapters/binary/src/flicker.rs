@@ -139,6 +139,13 @@ impl Flicker {
         if alone == 0 { 0.0 } else { self.islands as f64 / alone as f64 }
     }
 
+    /// Spatial energy beyond that of the frames' own labels after the same island rule, as a share:
+    /// what coherence alone costs.
+    pub fn coherence_excess(&self) -> f64 {
+        let alone = self.energy[1] + self.islands;
+        if alone == 0 { 0.0 } else { self.energy[0] as f64 / alone as f64 - 1.0 }
+    }
+
     /// The mean distance by which moving borders trail, in pixels.
     pub fn lag_px(&self) -> f64 {
         if self.lag.1 == 0 { 0.0 } else { self.lag.0 / self.lag.1 as f64 }
@@ -274,6 +281,8 @@ mod tests {
         let film = measured(&slow.map(|f| (f, f)));
         assert_eq!((film.flips, film.reversals), (2, 0));
         assert!((film.energy_excess() - 0.1).abs() < 1e-9);
+        let islands = Flicker { islands: 7, ..film };
+        assert!((islands.coherence_excess()).abs() < 1e-9);
     }
 
     #[test]

@@ -1,19 +1,21 @@
 //! A label image as regions whose borders are shared curves.
 //!
 //! 1. A crack is the unit segment between two pixels of different label, the frame of the picture
-//!    among them. Corners of pixels where other than two cracks meet, and the four corners of the
-//!    frame, are nodes.
+//!    among them. Where two labels meet crosswise, the rarer one near by is joined across the corner,
+//!    so that thin slanted regions stay whole. Other corners of pixels where other than two cracks
+//!    meet, and the four corners of the frame, are nodes.
 //! 2. Cracks between nodes, or once round, make chains. A chain's points lie where its cracks'
 //!    pixel pairs cross from one label to the other; a node's point is the mean of those around it.
 //!    Between corners of pixels the points stay in cells of their own, so that no two chains cross.
 //! 3. Every chain is fitted once ([`fit`](crate::fit())). The two regions beside it use the very
 //!    same curves, one of them backwards: borders never gap nor overlap.
-//! 4. Walking round each region (4-connected) gives its rings: the outline and the holes.
+//! 4. Walking round each region (connected by sides, and by corners where joined) gives its rings: the
+//!    outline and the holes.
 
 use crate::fit::{Fit, fit};
 use crate::{Path, Point};
 use chiaro_image::Plane;
-use chiaro_image::labels::{Piece, components_by_sides};
+use chiaro_image::labels::{Components, Piece, components_by_sides};
 use std::collections::HashMap;
 
 /// Regions and the borders that they share.
@@ -21,6 +23,8 @@ use std::collections::HashMap;
 pub struct Partition {
     /// Each border once.
     borders: Vec<Path>,
+    /// The labels to the right and to the left of each border; `None` outside the picture.
+    sides: Vec<[Option<u8>; 2]>,
     /// The regions, in the reading order of their first pixels.
     pub regions: Vec<Region>,
 }
@@ -44,14 +48,13 @@ impl Partition {
         let chains = Chains::walk(&cracks);
         let nodes = NodePoints { cracks: &cracks, crossing: &crossing };
         let borders = chains.list.iter().map(|c| nodes.path(c, how)).collect();
+        let sides = chains.list.iter().map(|c| cracks.beside(c)).collect();
         let pieces = components_by_sides(labels, &labels.map(|_| true));
-        let region = |p: &Piece<u8>| Region { label: p.label, area: p.area, rings: Vec::new() };
-        let mut regions: Vec<Region> = pieces.pieces.iter().map(region).collect();
+        let (numbers, mut regions) = joined_pieces(&pieces, &cracks);
         for ring in chains.rings(&cracks) {
-            let id = pieces.ids[ring.inside] as usize;
-            regions[id].rings.push(ring.borders);
+            regions[numbers[pieces.ids[ring.inside] as usize]].rings.push(ring.borders);
         }
-        Self { borders, regions }
+        Self { borders, sides, regions }
     }
 
     /// The outline and the holes of a region, closed, the region on their right.
@@ -70,9 +73,11 @@ impl Partition {
         path
     }
 
-    /// The borders, each once, those along the picture's frame among them.
-    pub fn borders(&self) -> &[Path] {
-        &self.borders
+    /// The borders between two labels, each once, with the labels to the right and to the left;
+    /// those along the picture's frame are not among them.
+    pub fn shared(&self) -> impl Iterator<Item = (&Path, [u8; 2])> {
+        let both = |(path, sides): (_, &[Option<u8>; 2])| Some((path, [sides[0]?, sides[1]?]));
+        self.borders.iter().zip(&self.sides).filter_map(both)
     }
 }
 
@@ -83,9 +88,44 @@ type Corner = (usize, usize);
 /// Directions in clockwise order, y down: east, south, west, north.
 const STEPS: [(isize, isize); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
+/// The number of the region that each piece belongs to, and the regions without their rings.
+fn joined_pieces(pieces: &Components<u8>, cracks: &Cracks) -> (Vec<usize>, Vec<Region>) {
+    let mut parent: Vec<usize> = (0..pieces.pieces.len()).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    let (w, h) = cracks.labels.size();
+    for (x, y) in (1..h).flat_map(|y| (1..w).map(move |x| (x, y))) {
+        let Some(label) = cracks.joined((x, y)) else { continue };
+        let is = cracks.labels[(x, y)] == label;
+        let ends = if is { [(x, y), (x - 1, y - 1)] } else { [(x - 1, y), (x, y - 1)] };
+        let [a, b] = ends.map(|p| root(&mut parent, pieces.ids[p] as usize));
+        parent[a.max(b)] = a.min(b);
+    }
+    let mut regions: Vec<Region> = Vec::new();
+    let mut numbers = vec![0; parent.len()];
+    for (i, Piece { label, area, .. }) in pieces.pieces.iter().enumerate() {
+        let first = root(&mut parent, i);
+        if first == i {
+            numbers[i] = regions.len();
+            regions.push(Region { label: *label, area: 0, rings: Vec::new() });
+        }
+        numbers[i] = numbers[first];
+        regions[numbers[i]].area += area;
+    }
+    (numbers, regions)
+}
+
 struct Cracks<'a> {
     labels: &'a Plane<u8>,
 }
+
+/// How far from a corner the rarer label is looked for, in pixels.
+const NEAR: usize = 3;
 
 impl Cracks<'_> {
     /// The pixels to the right and to the left of the crack that leaves `corner` in a direction.
@@ -117,7 +157,35 @@ impl Cracks<'_> {
     fn is_node(&self, corner: Corner) -> bool {
         let (w, h) = self.labels.size();
         let frame_corner = (corner.0 == 0 || corner.0 == w) && (corner.1 == 0 || corner.1 == h);
-        frame_corner || !matches!(self.degree(corner), 0 | 2)
+        let passed = matches!(self.degree(corner), 0 | 2) || self.joined(corner).is_some();
+        frame_corner || !passed
+    }
+
+    /// Where two labels meet crosswise, the one that is joined across the corner: the rarer one near
+    /// by, of equals the lower.
+    fn joined(&self, (x, y): Corner) -> Option<u8> {
+        let (w, h) = self.labels.size();
+        if x == 0 || y == 0 || x == w || y == h {
+            return None;
+        }
+        let [a, b] = [(x - 1, y - 1), (x, y - 1)].map(|p| self.labels[p]);
+        if a == b || self.labels[(x, y)] != a || self.labels[(x - 1, y)] != b {
+            return None;
+        }
+        let mut counts = [0, 0];
+        for v in y.saturating_sub(NEAR)..(y + NEAR).min(h) {
+            for label in &self.labels.row(v)[x.saturating_sub(NEAR)..(x + NEAR).min(w)] {
+                counts[0] += usize::from(*label == a);
+                counts[1] += usize::from(*label == b);
+            }
+        }
+        [(counts[0], a), (counts[1], b)].into_iter().min().map(|(_, label)| label)
+    }
+
+    /// The labels to the right and to the left of a chain.
+    fn beside(&self, chain: &Chain) -> [Option<u8>; 2] {
+        let sides = self.sides(chain.start, usize::from(chain.directions[0]));
+        sides.map(|p| p.map(|p| self.labels[p]))
     }
 
     fn next(&self, (x, y): Corner, direction: usize) -> Corner {
@@ -126,9 +194,14 @@ impl Cracks<'_> {
     }
 
     /// Where the walk round the pixel on the right goes on after arriving at `corner`: the sharpest
-    /// turn to the right that is a crack.
+    /// turn to the right that is a crack; to the left where the pixel is joined across the corner.
     fn onward(&self, corner: Corner, direction: usize) -> usize {
-        let turns = [direction + 1, direction, direction + 3].map(|d| d % 4);
+        let mut turns = [direction + 1, direction, direction + 3].map(|d| d % 4);
+        let from = self.next(corner, (direction + 2) % 4);
+        let right = || self.sides(from, direction)[0].map(|p| self.labels[p]);
+        if self.joined(corner).is_some_and(|label| right() == Some(label)) {
+            turns.reverse();
+        }
         turns.into_iter().find(|d| self.is_crack(corner, *d)).unwrap_or((direction + 2) % 4)
     }
 }
@@ -183,10 +256,15 @@ impl Chains {
             *mark(done, cracks, at, direction) = true;
             directions.push(direction as u8);
             at = cracks.next(at, direction);
-            if at == start || cracks.is_node(at) {
+            if cracks.is_node(at) {
                 break;
             }
-            direction = cracks.onward(at, direction);
+            let onward = cracks.onward(at, direction);
+            // A corner that is joined across is passed twice.
+            if (at, onward) == (start, d) {
+                break;
+            }
+            direction = onward;
         }
         let closed = !cracks.is_node(start);
         if !closed {
@@ -365,6 +443,28 @@ mod tests {
             let sum: f64 = areas.map(|p| area(&p)).sum();
             assert!((sum - (w * h) as f64).abs() < 1e-6 * sum.max(1.0), "{w} x {h}: {sum}");
         }
+    }
+
+    #[test]
+    fn thin_slanted_regions_stay_whole() {
+        let line = |x: usize, y: usize, slope: usize| y == 3 + slope * x / 2;
+        for slope in [1, 2] {
+            for label in [0, 1] {
+                let labels =
+                    Plane::from_fn(24, 30, |x, y| if line(x, y, slope) { label } else { 2 });
+                let partition = Partition::trace(&labels, |_, _| 0.5, &EXACT);
+                assert_eq!(partition.regions.len(), 3, "slope {slope}");
+                let ring =
+                    partition.regions.iter().find(|r| r.label == label).map(|r| r.rings.len());
+                assert_eq!(ring, Some(1));
+            }
+        }
+        // A ring of eight pixels that touch by corners alone is one region around a hole.
+        let ring = drawn(&["......", "..##..", ".#..#.", ".#..#.", "..##..", "......"]);
+        let partition = Partition::trace(&ring, |_, _| 0.5, &EXACT);
+        let rings: Vec<usize> = partition.regions.iter().map(|r| r.rings.len()).collect();
+        assert_eq!(rings, [2, 2, 1]);
+        assert_eq!(partition.regions[1].area, 8);
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //! or for a pen (hatching, inset outlines and strokes).
 //!
 //! 1. The labels are smoothed as the picture is, and their borders traced once each.
-//! 2. Fills: one path a region with its holes, one layer a colour.
+//! 2. Fills: one path a region with its holes, one layer a colour. Beneath them a thin stroke follows
+//!    each border that two fills share, or the page would shine through where both are antialiased.
 //!    With a pen: each colour but the paper's is hatched, the wider apart the lighter it is.
 //!    A stencil: its holes alone, filled, or their outlines where there is a pen.
 //! 3. Lines: joined within 0.1 mm, fitted to 0.05 mm, ordered for little travel, one layer a pen. With a
@@ -15,7 +16,7 @@ use chiaro_binary::{BinaryKnobs, Lines, scaled};
 use chiaro_image::Plane;
 use chiaro_ink::{
     Area, Colour, Drawing, Fit, Hatch, Layer, Mark, NOTHING, Partition, Path, Placement, Polyline,
-    Soft, Travel, centre_lines, fit, joined,
+    SEAM_WIDTH, Soft, Travel, centre_lines, fit, joined, seams,
 };
 pub use chiaro_ink::{Sheet, length};
 use serde_json::{Value, json};
@@ -174,6 +175,8 @@ fn holes(
 /// The outlines of each label's regions, on the page.
 struct Regions {
     by_label: Vec<Vec<Vec<Path>>>,
+    /// Borders that two labels share, as the lower label, on the page.
+    seams: Vec<(u8, Path)>,
 }
 
 impl Regions {
@@ -198,7 +201,9 @@ impl Regions {
             let outline = outline.iter().map(|path| path.map(|p| place.at(p))).collect();
             by_label[usize::from(region.label)].push(outline);
         }
-        Self { by_label }
+        let on_page = |(label, path): (u8, Path)| (label, path.map(|p| place.at(p)));
+        let seams = seams(&partition, soft.labels()).into_iter().map(on_page).collect();
+        Self { by_label, seams }
     }
 }
 
@@ -215,9 +220,29 @@ fn mapped(lines: Regions, scheme: &Colours, before: usize) -> Vec<Layer> {
     layers
 }
 
+/// What lies beneath shared borders, a layer a colour; nothing where colours let what is beneath them
+/// through.
+fn beneath(plate: &Plate<'_>, regions: &Regions, place: &Placement) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    if plate.colours.iter().any(|c| c[3] < 1.0) {
+        return layers;
+    }
+    for (label, &colour) in plate.colours.iter().enumerate() {
+        let width = SEAM_WIDTH * place.scale;
+        let along = regions.seams.iter().filter(|(lower, _)| usize::from(*lower) == label);
+        let stroke = |(_, path): &(u8, Path)| Mark::Stroke { path: path.clone(), width, colour };
+        let marks: Vec<Mark> = along.map(stroke).collect();
+        if !marks.is_empty() {
+            let name = format!("{} beneath borders {}", layers.len() + 1, hex(colour));
+            layers.push(Layer { name, marks });
+        }
+    }
+    layers
+}
+
 /// Closed fills, a layer a colour, and the lines as strokes of their width.
 fn fill(plate: &Plate<'_>, regions: &Regions, place: &Placement) -> (Vec<Layer>, Travel) {
-    let mut layers = Vec::new();
+    let mut layers = beneath(plate, regions, place);
     for (outlines, &colour) in regions.by_label.iter().zip(plate.colours) {
         let fill = |outline: &Vec<Path>| Mark::Fill { outline: outline.clone(), colour };
         let marks: Vec<Mark> = outlines.iter().map(fill).collect();

@@ -329,6 +329,7 @@ fn flicker_counts(layers: &[Flicker]) -> Map<String, Value> {
     put("pop_p99_px", json!(flicker.pop_p99()));
     put("energy_excess", json!(flicker.energy_excess()));
     put("island_excess", json!(flicker.island_excess()));
+    put("coherence_excess", json!(flicker.coherence_excess()));
     put("lag_px", json!(flicker.lag_px()));
     counts
 }

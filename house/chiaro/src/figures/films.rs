@@ -66,12 +66,12 @@ pub(super) fn flicker(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
                 let reversals = number("reversals_per_pixel");
                 let ratio = reversals / *alone.get_or_insert(reversals.max(1e-12));
                 let caption = format!(
-                    "{}, {}, {method}: reversals x {ratio:.2}, energy +{:.1} % ({:.1} by islands), lag \
-                     {:.2} px, pops {} px",
+                    "{}, {}, {method}: reversals x {ratio:.2}, energy +{:.1} % (+{:.1} past \
+                     the same rule for islands), lag {:.2} px, pops {} px",
                     short(scene),
                     sequence.motion,
                     100.0 * number("energy_excess"),
-                    100.0 * number("island_excess"),
+                    100.0 * number("coherence_excess"),
                     number("lag_px"),
                     made.measures["pop_p99_px"],
                 );
