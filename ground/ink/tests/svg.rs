@@ -38,12 +38,12 @@ fn fills(partition: &Partition, soft: &Soft, place: &Placement) -> Vec<Layer> {
     });
     let beneath = Layer { name: "beneath".into(), marks: beneath.collect() };
     let mut layers = vec![beneath];
-    for label in 0..COLOURS.len() {
+    for (label, colour) in COLOURS.into_iter().enumerate() {
         let own = partition.regions.iter().filter(|r| usize::from(r.label) == label);
         let outline = |region| {
             partition.outline(region).iter().map(|path| path.map(|p| place.at(p))).collect()
         };
-        let marks = own.map(|r| Mark::Fill { outline: outline(r), colour: COLOURS[label] });
+        let marks = own.map(|r| Mark::Fill { outline: outline(r), colour });
         layers.push(Layer { name: format!("regions {label}"), marks: marks.collect() });
     }
     layers
