@@ -33,8 +33,12 @@ pub(crate) fn from_float16(code: u16, top: f32) -> f32 {
 
 /// Steps to an octave of a colour's sum.
 const STEPS_AN_OCTAVE: f32 = 18.0;
+/// Steps of a share's root up to 1. Of grey, whose shares are 1/3, it is the whole number 36.
+const STEPS_OF_ROOT: f32 = 36.0 * 1.732_050_8;
+/// The last step is the share 1.
+const WHOLE: u64 = 63;
 
-/// A colour in 20 bits: its sum in steps of 1/18 octave, the shares of red and green.
+/// A colour in 20 bits: its sum in steps of 1/18 octave, the shares of red and green. Grey keeps its hue.
 pub(crate) fn encode_colour(colour: [f32; 3], gain: f32) -> u64 {
     let sum: f32 = colour.iter().sum();
     if sum <= 0.0 || gain <= 0.0 {
@@ -44,8 +48,12 @@ pub(crate) fn encode_colour(colour: [f32; 3], gain: f32) -> u64 {
     if step < 1.0 {
         return 0;
     }
-    let [r, g] = [0, 1].map(|c| (63.0 * (colour[c] / sum).sqrt()).round() as u64);
-    step.min(255.0) as u64 | r << 8 | g << 14
+    let share = |c: usize| {
+        let root = STEPS_OF_ROOT * (colour[c] / sum).sqrt();
+        let last = (WHOLE - 1) as f32;
+        if root > 0.5 * (last + STEPS_OF_ROOT) { WHOLE } else { root.round() as u64 }
+    };
+    step.min(255.0) as u64 | share(0) << 8 | share(1) << 14
 }
 
 /// Sums of colours over their gain, by step.
@@ -59,11 +67,36 @@ pub(crate) fn colour_of(code: u64, gain: f32) -> [f32; 3] {
         return [0.0; 3];
     }
     let sum = gain * SUMS[step as usize];
-    let share = |shift: u32| ((code >> shift & 63) as f32 * (1.0 / 63.0)).powi(2);
+    let share = |shift: u32| match code >> shift & 63 {
+        WHOLE => 1.0,
+        root => (root as f32 * (1.0 / STEPS_OF_ROOT)).powi(2),
+    };
     let (r, g) = (share(8), share(14));
     let b = (1.0 - r - g).max(0.0);
     let all = sum / (r + g + b);
     [r * all, g * all, b * all]
+}
+
+/// What rounding took from the colours before, over their sums. The next ones make up for it, so that the
+/// light of neighbours together keeps its hue and its strength, though each is a few percent off.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Carry([f32; 3]);
+
+impl Carry {
+    /// The code of a colour, and what its rounding takes. Black stays black.
+    pub(crate) fn encode(&mut self, colour: [f32; 3], gain: f32) -> u64 {
+        let sum: f32 = colour.iter().sum();
+        if sum <= 0.0 {
+            return 0;
+        }
+        let wanted: [f32; 3] = std::array::from_fn(|c| (colour[c] + self.0[c] * sum).max(0.0));
+        let code = encode_colour(wanted, gain);
+        let coded = colour_of(code, gain);
+        let most = 0.1;
+        self.0 =
+            std::array::from_fn(|c| (self.0[c] + (colour[c] - coded[c]) / sum).clamp(-most, most));
+        code
+    }
 }
 
 /// A unit vector on a square (Meyer et al. 2010), each coordinate in [-1, 1].
@@ -140,5 +173,38 @@ mod tests {
             );
         }
         assert_eq!(colour_of(encode_colour([0.0; 3], 1.0), 1.0), [0.0; 3]);
+    }
+
+    #[test]
+    fn grey_stays_grey_and_pure_colours_stay_pure() {
+        for i in 0..200 {
+            let light = unit(3, i);
+            let [r, g, b] = colour_of(encode_colour([light; 3], 1.5), 1.5);
+            assert!((r - b).abs() < 1e-5 * r && (g - b).abs() < 1e-5 * g, "{r} {g} {b}");
+            for c in 0..3 {
+                let mut pure = [0.0; 3];
+                pure[c] = light;
+                let back = colour_of(encode_colour(pure, 1.5), 1.5);
+                assert!((0..3).all(|k| (back[k] > 0.0) == (k == c)), "{back:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_together_keep_their_light() {
+        for i in 0..200 {
+            let base = [unit(4, i), unit(5, i), unit(6, i)];
+            let (mut carry, mut sums) = (Carry::default(), [[0.0f32; 3]; 2]);
+            for k in 0..16 {
+                let shade = 1.0 + 0.2 * unit(7, 16 * i + k);
+                let colour = base.map(|b| b * shade);
+                let coded = colour_of(carry.encode(colour, 4.0), 4.0);
+                (0..3).for_each(|c| sums[0][c] += colour[c]);
+                (0..3).for_each(|c| sums[1][c] += coded[c]);
+            }
+            let all: f32 = sums[0].iter().sum();
+            assert!((0..3).all(|c| (sums[0][c] - sums[1][c]).abs() < 0.004 * all), "{sums:?}");
+        }
+        assert_eq!(Carry([0.05; 3]).encode([0.0; 3], 1.0), 0);
     }
 }

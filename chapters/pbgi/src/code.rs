@@ -12,7 +12,9 @@
 //!    left; and so on. Tables come from k-means on the nodes of a sparse tree. One stage without the rest is
 //!    the thesis's look-up table; several are residual vector quantization.
 //!
-//! Light and area have tables of their own. Black is coded without error.
+//! Light and area have tables of their own. Black is coded without error. Of the area over the node's area
+//! only what its mean normal does not tell ([`harmonic::expected`]) is coded: it is nothing where the
+//! node is flat, and always nothing in bands 0 and 1.
 
 use crate::bits::{float16, from_float16};
 use crate::harmonic::{self, Sh};
@@ -176,7 +178,8 @@ impl Book {
         for (table, words) in self.light.iter().zip(&recipe.light) {
             add(&mut light, table.word(next(*words)));
         }
-        let mut disc = [0.0f32; AREA];
+        let frame = recipe.turned.then(|| frame(axis));
+        let mut disc = expected(recipe, axis, frame.as_ref());
         for (table, words) in self.area.iter().zip(&recipe.area) {
             add(&mut disc, table.word(next(*words)));
         }
@@ -189,7 +192,7 @@ impl Book {
                 std::array::from_fn(|i| own[i] * gain)
             }),
         };
-        let local_from_world = recipe.turned.then(|| frame(axis).transpose());
+        let local_from_world = frame.map(|f| f.transpose());
         Decoded { local_from_world, lobes }
     }
 
@@ -316,6 +319,9 @@ impl Parts {
         let turn = recipe.turned.then(|| frame(node.axis));
         let put = |sh: &Sh| turn.as_ref().map_or(*sh, |t| turned(sh, t)).map(|v| v * scale);
         let colours = node.sums.light.each_ref().map(put);
+        let told = expected(recipe, node.axis, turn.as_ref());
+        let mut area = put(&node.sums.area);
+        area.iter_mut().zip(told).for_each(|(a, t)| *a -= t);
         let square = |sh: &Sh| sh.iter().map(|v| v * v).sum::<f32>();
         let gains = match recipe.gains {
             Gains::None => [1.0; 3],
@@ -323,7 +329,7 @@ impl Parts {
             Gains::Colours => colours.each_ref().map(|c| square(c).sqrt()),
             Gains::Shape => {
                 let (light, gains) = shape(&colours);
-                return Self { gains, light, area: put(&node.sums.area) };
+                return Self { gains, light, area };
             }
         };
         let mut light = [0.0; LIGHT];
@@ -331,8 +337,17 @@ impl Parts {
             let over = if gains[c] > 0.0 { 1.0 / gains[c] } else { 0.0 };
             (0..9).for_each(|i| light[9 * c + i] = colours[c][i] * over);
         }
-        Self { gains, light, area: put(&node.sums.area) }
+        Self { gains, light, area }
     }
+}
+
+/// What is known of a node's lobe of area over its area; nothing where sums are coded as they are.
+fn expected(recipe: &Recipe, axis: Vec3, world_from_local: Option<&Mat3>) -> Sh {
+    if !recipe.by_area {
+        return [0.0; AREA];
+    }
+    let axis = world_from_local.map_or(axis, |f| f.transpose() * axis);
+    harmonic::expected(axis)
 }
 
 /// The shape of length 1 that colours share, and the part of each along it, never negative.

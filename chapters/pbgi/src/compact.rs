@@ -18,8 +18,7 @@ mod builder;
 pub use builder::{Builder, Sink};
 
 use crate::bits::{
-    axis_of, colour_of, encode_axis, encode_colour, float16, float16_above, from_float16, grid,
-    octahedral,
+    Carry, axis_of, colour_of, encode_axis, float16, float16_above, from_float16, grid, octahedral,
 };
 use crate::code::{Book, Decoded, Lobes, Pen, Recipe};
 use crate::curve::Cube;
@@ -152,15 +151,20 @@ impl Format {
         let gain = float16_above(records.iter().map(sum).fold(0.0, f32::max), self.top_light);
         bytes.extend(gain.to_le_bytes());
         let gain = from_float16(gain, self.top_light);
+        // What rounding takes from a record's area and colour goes to the next.
+        let (mut left, mut carry) = (0.0, Carry::default());
         for r in records {
             let place = (r.position - centre) * (127.0 / radius.max(f32::MIN_POSITIVE));
             let [x, y, z] = place.to_array().map(|c| c.round().clamp(-127.0, 127.0) as i8 as u8);
             let [nx, ny] = octahedral(r.normal).map(|c| grid(c, 8) as u8);
-            let ratio = (4.0 * (r.area / area).log2()).round().clamp(-8.0, 7.0) + 8.0;
+            let wanted = (r.area + left).max(f32::MIN_POSITIVE) / area;
+            let ratio = (4.0 * wanted.log2()).round().clamp(-8.0, 7.0) + 8.0;
+            let most = 0.25 * r.area;
+            left = (left + r.area - area * RATIOS[ratio as usize]).clamp(-most, most);
             let code = u64::from(u32::from_le_bytes([x, y, z, nx]))
                 | u64::from(ny) << 32
                 | (ratio as u64) << 40
-                | encode_colour(r.radiance[0], gain) << 44;
+                | carry.encode(r.radiance[0], gain) << 44;
             bytes.extend(code.to_le_bytes());
         }
         bytes.resize(bytes.len() + (BLOCK - records.len()) * RECORD, 0);

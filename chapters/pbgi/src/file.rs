@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 const MAGIC: &[u8; 12] = b"chiaro pbgi\n";
 const BOOK_MAGIC: &[u8; 12] = b"chiaro book\n";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const END: &[u8; 8] = b"pbgi end";
 /// Parts that are checked between two pauses: some ten megabytes.
 const PARTS_AT_ONCE: usize = 128;

@@ -60,6 +60,16 @@ pub fn disc(normal: Vec3, area: f32) -> Sh {
     std::array::from_fn(|i| y[i] * bands[[0, 1, 1, 1, 2, 2, 2, 2, 2][i]])
 }
 
+/// The lobe that discs of a mean normal are likely to have together, over their area. Bands 0 and 1 are
+/// exact; band 2 is that of normals scattered as heat spreads on the sphere, whose band l is l(l + 1)
+/// times as damped.
+pub fn expected(mean_normal: Vec3) -> Sh {
+    let length = mean_normal.length().min(1.0);
+    let lobe = disc(mean_normal.normalize_or(Vec3::Z), 1.0);
+    let bands = [1.0, length, length * length * length];
+    std::array::from_fn(|i| lobe[i] * bands[[0, 1, 1, 1, 2, 2, 2, 2, 2][i]])
+}
+
 /// The band-limited disc straight ahead and straight behind, over its area.
 const AHEAD: f32 = 1.0625;
 const BEHIND: f32 = 0.0625;
@@ -83,6 +93,19 @@ mod tests {
             let r = (1.0 - z * z).sqrt();
             Vec3::new(r * cos, r * sin, z)
         })
+    }
+
+    #[test]
+    fn what_a_mean_normal_tells_is_exact_in_two_bands_and_for_one_normal_in_all() {
+        let normals: Vec<Vec3> = sphere(7).map(|n| (n + Vec3::X).normalize()).collect();
+        let mut sum = [0.0; 9];
+        for n in &normals {
+            sum.iter_mut().zip(disc(*n, 1.0 / 7.0)).for_each(|(s, d)| *s += d);
+        }
+        let told = expected(normals.iter().sum::<Vec3>() / 7.0);
+        assert!((0..4).all(|i| (told[i] - sum[i]).abs() < 1e-5), "{told:?} {sum:?}");
+        let (one, own) = (expected(normals[2]), disc(normals[2], 1.0));
+        assert!((0..9).all(|i| (one[i] - own[i]).abs() < 1e-5), "{one:?} {own:?}");
     }
 
     #[test]
