@@ -457,7 +457,8 @@ pub(crate) struct LightArgs {
     /// A compact tree by the smallest table of words that keeps this error of its nodes, as in 0.02.
     #[arg(long, value_name = "SHARE", conflicts_with_all = ["tree", "book"])]
     pub(crate) max_error: Option<f32>,
-    /// Keep within this much memory, as in 2GiB; a tree in a file may be larger.
+    /// Keep within this much memory, as in 2GiB; a tree in a file may be larger. Some 150 MB and the
+    /// scene are needed beside it.
     #[arg(long, value_name = "SIZE")]
     pub(crate) memory: Option<String>,
     /// Colour where there is nothing, or none [default: the sky].

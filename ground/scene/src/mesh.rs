@@ -120,5 +120,6 @@ fn pick<T: Copy>(values: &mut Vec<T>, take: &[u32]) {
 /// Whether a position is finite and within 1e12 of the origin along each axis: past that, areas and
 /// distances leave the range of single precision.
 pub(crate) fn is_in_reach(p: Vec3) -> bool {
-    p.abs().max_element() <= 1e12
+    // Asked of each axis, for the greatest of some passes over what is not a number.
+    p.abs().cmple(Vec3::splat(1e12)).all()
 }

@@ -56,7 +56,14 @@ mod tests {
     #[test]
     fn only_what_can_be_drawn_stays() {
         let mut mesh = Mesh {
-            positions: vec![Vec3::X, Vec3::NAN, Vec3::Y, Vec3::ONE, Vec3::Z, Vec3::ZERO],
+            positions: vec![
+                Vec3::X,
+                Vec3::new(0.0, f32::NAN, 1.0),
+                Vec3::Y,
+                Vec3::ONE,
+                Vec3::Z,
+                Vec3::ZERO,
+            ],
             triangles: vec![[0, 1, 2], [5, 4, 2]],
             materials: vec![MaterialId::new(0), MaterialId::new(1)],
             polygons: vec![0, 1],
