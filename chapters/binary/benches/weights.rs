@@ -1,7 +1,8 @@
 //! Nanoseconds a pixel for the weights of binary shading by part, on one thread.
 //!
 //! The picture is a full-frame relief of rocks at 1 Mpx in the default style. `cargo bench -p
-//! chiaro-binary` prints the best of several runs; `-- 2` takes two threads.
+//! chiaro-binary` prints the best of several runs; `-- 2` takes two threads, `-- courtyard desk` other
+//! demo scenes. Nanoseconds are those of a covered pixel.
 
 #![allow(clippy::print_stdout)]
 
@@ -21,9 +22,16 @@ const SIDE: usize = 1024;
 fn main() {
     let threads = std::env::args().filter_map(|a| a.parse().ok()).next().unwrap_or(1);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    let view = rocks();
-    println!("{SIDE} x {SIDE} pixels, threads: {threads}");
-    pool.install(|| report(&view));
+    let is_name = |a: &String| !a.starts_with('-') && a.parse::<usize>().is_err();
+    let mut names: Vec<String> = std::env::args().skip(1).filter(is_name).collect();
+    if names.is_empty() {
+        names.push("rocks".into());
+    }
+    for name in names {
+        let view = seen(&name);
+        println!("{name}, {SIDE} x {SIDE} pixels, threads: {threads}");
+        pool.install(|| report(&view));
+    }
 }
 
 /// Times each part.
@@ -38,46 +46,49 @@ fn report(view: &View) {
     let labels = graph.solve().expect("weights are small");
     let steps = shade(view, &exposure, &knobs, true, &run).expect("nobody cancels");
 
-    time("tone", || mixed_tone(&view.channels, covered, &knobs));
-    let all = time("terminal weights, tone included", || {
+    let pixels = covered.pixels().iter().filter(|c| **c).count();
+    time("tone", pixels, || mixed_tone(&view.channels, covered, &knobs));
+    let all = time("terminal weights, tone included", pixels, || {
         terminal(&view.channels, covered, &exposure, &knobs)
     });
-    time("mean normals", || {
+    time("mean normals", pixels, || {
         filter::gaussian_masked3(
             &view.buffer.normal,
             covered,
             3.0 * SIDE as f32 / 480.0 / 2f32.sqrt(),
         )
     });
-    let geometry =
-        time("neighbour weights, means included", || neighbour_factors(&view.buffer, &knobs));
-    let integers = time("capacities", || Graph::new(covered, &difference, &factors, &knobs));
+    let geometry = time("neighbour weights, means included", pixels, || {
+        neighbour_factors(&view.buffer, &knobs)
+    });
+    let integers =
+        time("capacities", pixels, || Graph::new(covered, &difference, &factors, &knobs));
     println!("{:<36} {:7.1} ns", "weights in all", all + geometry + integers);
-    time("cut", || graph.solve());
-    time("islands", || graph.without_islands(&labels.white, 30.0));
-    time("lines", || {
+    time("cut", pixels, || graph.solve());
+    time("islands", pixels, || graph.without_islands(&labels.white, 30.0));
+    time("lines", pixels, || {
         let features = Features::find(&view.buffer, &knobs);
         outline(&features, &steps.white, covered, true, &knobs)
     });
-    time("draw", || compose(&steps.region, covered, &steps.lines, &knobs));
+    time("draw", pixels, || compose(&steps.region, covered, &steps.lines, &knobs));
 }
 
 /// The best of several runs, in nanoseconds a pixel.
-fn time<T>(part: &str, work: impl Fn() -> T) -> f64 {
+fn time<T>(part: &str, pixels: usize, work: impl Fn() -> T) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..7 {
         let start = Instant::now();
         black_box(work());
         best = best.min(start.elapsed().as_secs_f64());
     }
-    let ns = best * 1e9 / (SIDE * SIDE) as f64;
+    let ns = best * 1e9 / pixels.max(1) as f64;
     println!("{part:<36} {ns:7.1} ns");
     ns
 }
 
-fn rocks() -> View {
+fn seen(name: &str) -> View {
     let run = Run::default();
-    let scene = demo::scene("rocks").expect("a demo scene");
+    let scene = demo::scene(name).expect("a demo scene");
     let playback = scene.playback(&chiaro_scene::Choice::Auto).expect("it has clips or none").0;
     let frame = chiaro_scene::Poser::new(&scene).frame(0.0, &playback);
     let tracer = Tracer::new(&scene, &frame);
