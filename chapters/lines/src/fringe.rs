@@ -294,7 +294,7 @@ impl Fringe {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::knob::LinesKnobs;
+    use crate::knob::{Hidden, LinesKnobs};
     use crate::view::View;
     use chiaro_basis::Run;
     use chiaro_basis::math::{Vec2, vec2, vec3};
@@ -339,7 +339,7 @@ mod tests {
         }
     }
 
-    fn film(scene: &Scene) -> crate::Film {
+    fn film(scene: &Scene, hidden: Hidden) -> crate::Film {
         let pose = Pose::look_at(
             vec3(0.0, 0.0, 2.0),
             vec3(0.0, 0.0, 0.0),
@@ -350,13 +350,16 @@ mod tests {
             (scene.frame(0.0, &Playback::still()), View::new(pose, (320, 320)))
         };
         let reel = Reel { scene, count: 1, at: &at };
-        crate::Film::of(&reel, &LinesKnobs::default(), &Run::default()).expect("it ends")
+        let knobs = LinesKnobs { hidden, ..LinesKnobs::default() };
+        crate::Film::of(&reel, &knobs, &Run::default()).expect("it ends")
     }
 
     #[test]
     fn the_outline_of_a_disc_on_a_card_is_one_circle() {
         for n in [1, 3] {
-            let film = film(&disc(n));
+            let film = film(&disc(n), Hidden::Dashed);
+            // What a mask takes away is not hidden: it is not there.
+            assert!(film.frames[0].hidden.is_empty(), "{n}");
             let strokes = &film.frames[0].strokes;
             assert_eq!(strokes.len(), 1, "{n}");
             assert!(strokes[0].closed && strokes[0].kind == Kind::Border);

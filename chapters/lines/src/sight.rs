@@ -113,6 +113,12 @@ impl<'a> Sight<'a> {
         Self { surface, vertices, grid, start, faces, bounds, masks, cover, several }
     }
 
+    /// Whether all of these faces have holes ([`NONE`] left out).
+    pub(crate) fn is_masked(&self, faces: &[u32]) -> bool {
+        let mut real = faces.iter().filter(|f| **f != NONE).peekable();
+        real.peek().is_some() && real.all(|f| self.masks.has(*f))
+    }
+
     /// Whether a picture position is in holes of all of these faces ([`NONE`] left out).
     pub(crate) fn in_hole(&self, at: DVec2, faces: &[u32]) -> bool {
         let masks = self.masks;

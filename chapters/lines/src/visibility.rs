@@ -75,7 +75,8 @@ pub struct Visible {
     pub runs: Vec<Vec<Run>>,
     /// The same runs as lines, in the order of the paths.
     pub lines: Vec<Line>,
-    /// What of each path is left out because another line runs beside it.
+    /// What of each path is left out because another line runs beside it, and what is in holes: neither is
+    /// hidden.
     pub beside: Vec<Vec<Run>>,
     /// Stretches that voted.
     pub stretches: u64,
@@ -120,6 +121,9 @@ pub fn visible(
     }
     visible.beside = vec![Vec::new(); paths.len()];
     gone.into_iter().for_each(|(i, run)| visible.beside[i].push(run));
+    for (path, beside) in paths.iter().zip(&mut visible.beside) {
+        beside.extend(absent(path, sight));
+    }
     for i in others {
         for run in look(i, &taken, &mut visible) {
             let (left, gone) = beside.parted(&paths[i], run);
@@ -155,6 +159,27 @@ fn buried(path: &Path, sight: &Sight<'_>) -> Vec<bool> {
     let ends: Vec<bool> = path.seen.iter().map(hidden).collect();
     let middle = |k: usize| hidden(&path.seen_at(k as f64 + 0.5));
     (0..path.segments.len()).map(|k| ends[k] && ends[k + 1] && middle(k)).collect()
+}
+
+/// The parts of a path that are where masks leave nothing of its faces, to a pixel.
+fn absent(path: &Path, sight: &Sight<'_>) -> Vec<Run> {
+    let mut absent: Vec<Run> = Vec::new();
+    let masked = |k: &usize| !path.fringe && sight.is_masked(&path.segments[*k].own);
+    for k in (0..path.segments.len()).filter(masked) {
+        let parts = (path.length[k + 1] - path.length[k]).ceil().max(1.0);
+        for part in 0..parts as usize {
+            let [start, end] = [part, part + 1].map(|p| k as f64 + p as f64 / parts);
+            let middle = path.seen_at(0.5 * (start + end));
+            if !middle.is_some_and(|s| sight.in_hole(s.at, &path.segments[k].own)) {
+                continue;
+            }
+            match absent.last_mut() {
+                Some(last) if last.end == start => last.end = end,
+                _ => absent.push(Run { start, end }),
+            }
+        }
+    }
+    absent
 }
 
 /// Which of two lines side by side is drawn: the lower.
