@@ -10,10 +10,12 @@ use crate::site::Site;
 use crate::surfel::{Lit, Surfels};
 use crate::tile;
 use crate::tree::Tree;
+use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_trace::{GBuffer, Vertex};
 use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
 
 /// A frame's surfels and tree, ready to be gathered from.
 pub struct Prepared<'a, T: Hierarchy = Tree> {
@@ -46,7 +48,22 @@ pub struct Points<T: Hierarchy = Tree> {
     tree: T,
 }
 
+/// How much larger a leaf may be than the surfel found: density changes from place to place.
+const ALLOWANCE: f32 = 1.2;
+
 impl<T: Hierarchy> Prepared<'_, T> {
+    /// The radius of leaves around a point of a surface.
+    pub(crate) fn leaf_radius(&self, point: Vec3, normal: Vec3) -> f32 {
+        let mean = self.tree.leaf_radius();
+        if !self.surfels.uneven || self.knobs.is_compact() {
+            return mean;
+        }
+        match self.reflected.grid.nearest_of_any(&self.surfels, point, normal) {
+            Some(k) => ALLOWANCE * (self.surfels.all[k as usize].area * FRAC_1_PI).sqrt(),
+            None => 2.0 * mean,
+        }
+    }
+
     /// Lets go of the frame.
     pub fn into_points(self) -> Points<T> {
         Points { surfels: self.surfels, reflected: self.reflected, tree: self.tree }

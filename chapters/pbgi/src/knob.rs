@@ -54,13 +54,14 @@ knobs! {
     pub struct LightKnobs {
         surfels: u32 = 100000, Count { min: 16, max: 4000000000 }, "N (6.3.2)", "", "surfels that stand for the scene's surfaces";
         sampling: Sampling = Sampling::Sequence, Choice(Sampling::WORDS), "6.3.2", "", "sequence: surfels spread evenly by area; poisson: at a least distance from each other (slower)";
+        focus: bool = false, Switch, "", "", "whether surfels lie denser where the shot's cameras see them: steadier detail, less of it where gathers are shared";
         tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some ten bytes a surfel, any number of surfels";
         clusters: u32 = 0, Count { min: 0, max: 65536 }, "l (6.5.1)", "words", "a compact tree whose lobes are one word each of a table of so many; 0: the default code";
         max_error: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "6.7", "share", "a compact tree by the smallest book whose error of nodes it has not seen is at most this; 0: the default code";
         book: Teaching = Teaching::Film, Choice(Teaching::WORDS), "6.5.1", "", "film: one book for all frames of a compact tree; frame: one a frame, which may flicker";
         bounces: u32 = 3, Count { min: 0, max: 64 }, "", "", "times that light is reflected before it reaches what is seen; 0: direct light alone";
         solid_angle: f32 = 2.0, Number { min: 0.05, max: 64.0 }, "sigma (6.3.2)", "texels", "a node whose sphere looks smaller than this is not opened";
-        resolution: u32 = 12, Count { min: 2, max: 64 }, "", "texels", "texels along a side of the cube buffer";
+        resolution: u32 = 10, Count { min: 2, max: 64 }, "", "texels", "texels along a side of the cube buffer";
         error_bound: f32 = 0.1, Number { min: 0.0, max: 1.0 }, "", "share", "error allowed by sharing gathers; 0: every pixel gathers by itself";
         bounce_rays: u32 = 16, Count { min: 1, max: 1024 }, "", "rays", "rays by which a surfel sees the others";
         side_rays: u32 = 8, Count { min: 0, max: 64 }, "", "rays", "rays by which dead sides are found; 0: all sides live";

@@ -54,7 +54,7 @@ pub(crate) fn lit(
     index: u32,
 ) -> (Vertex, [f32; 3]) {
     let at = Vertex::of(lit.tracer, lit.surfaces, hit, direction, SPREAD * hit.t);
-    let numbers = numbers(sequence, index, 1);
+    let numbers = numbers(lit.lights, sequence, index, 1);
     (at, lit.lights.irradiance_by_one_ray(lit.tracer, lit.surfaces, &at, &numbers))
 }
 

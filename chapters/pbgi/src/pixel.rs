@@ -64,7 +64,7 @@ pub fn gather<T: Hierarchy>(
     splats.clear();
     let threshold = scene.knobs.solid_angle * buffer.shape().mean_solid_angle();
     // The distance within which a leaf looks larger than the threshold.
-    let reach = scene.tree.leaf_radius() / (threshold / std::f32::consts::PI).sqrt();
+    let reach = scene.leaf_radius(at.position, at.side) / (threshold / std::f32::consts::PI).sqrt();
     let near = if scene.knobs.near_field { reach } else { 0.0 };
     let from = at.position + at.side * at.offset;
     let chooser = Chooser {

@@ -12,6 +12,8 @@ use chiaro_trace::{GBuffer, Sequence, Sides, Tracer, Vertex};
 
 /// The least cosine of a surface towards the eye, for how long its pixels are.
 const LEAST_COSINE: f32 = 0.1;
+/// Fields that a receiver mixes, at most.
+const MOST_PARTS: usize = 4;
 /// Pixels along a side of the lattice's pattern.
 const PATTERN: usize = 4;
 
@@ -91,8 +93,11 @@ impl Receiver {
             if direction.dot(at.side) <= 0.0 {
                 continue;
             }
-            let exit = |f: &Field| f.ball.exit(origin, direction);
-            let longest = mix.parts.iter().map(|(_, f)| exit(f)).fold(0.0, f32::max);
+            let mut exits = [0.0f32; MOST_PARTS];
+            exits.iter_mut().zip(&mix.parts).for_each(|(exit, (_, f))| {
+                *exit = f.ball.exit(origin, direction);
+            });
+            let longest = exits.iter().copied().fold(0.0, f32::max);
             let hit = scene.lit.tracer.hit(&at.ray(direction, longest), Sides::Both);
             let Some(hit) = hit else { continue };
             let (lit, surfels) = (&scene.lit, &scene.surfels);
@@ -101,7 +106,7 @@ impl Receiver {
             let [r, g, b] = met.radiance;
             let own = [r, g, b, open];
             let mut light = [0.0; 4];
-            for (share, field) in mix.parts.iter().filter(|(_, f)| hit.t <= exit(f)) {
+            for ((share, field), _) in mix.parts.iter().zip(exits).filter(|(_, e)| hit.t <= *e) {
                 let far = mix.far(field, origin, direction);
                 (0..4).for_each(|c| light[c] += share * (own[c] - far[c]));
             }

@@ -3,8 +3,9 @@
 //! A pixel whose neighbours lie on the same smooth surface is its albedo times its irradiance. Any
 //! other is the mean over a grid of samples inside it, each with a ray, an albedo and an emission of
 //! its own; the irradiance, which costs, is taken from those of the 3 x 3 centres around that lie on
-//! the sample's surface.
+//! the sample's surface, and scaled where a crevice is narrower than a pixel (`crevice`).
 
+use crate::crevice::Crevices;
 use crate::surfel::{Lit, numbers};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
@@ -47,14 +48,16 @@ pub fn resolve(
     run: &Run,
 ) -> Result<Plane<Seen>> {
     let (width, height) = buffer.size();
+    let crevices = (side > 1).then(|| Crevices::find(lit, buffer));
     let plane = Plane::from_fn(width, height, |x, y| {
         if run.check().is_err() {
             return Seen::default();
         }
-        if side > 1 && (is_edge(buffer, (x, y)) || is_shadow_edge(irradiance, (x, y))) {
-            samples(lit, buffer, irradiance, (x, y), side)
-        } else {
-            centre(lit, buffer, irradiance, (x, y))
+        match &crevices {
+            Some(found) if is_edge(buffer, (x, y)) || is_shadow_edge(irradiance, (x, y)) => {
+                samples(lit, buffer, (irradiance, found), (x, y), side)
+            }
+            _ => centre(lit, buffer, irradiance, (x, y)),
         }
     });
     run.check()?;
@@ -121,7 +124,7 @@ fn is_shadow_edge(irradiance: &Irradiance, (x, y): (usize, usize)) -> bool {
 fn samples(
     lit: &Lit,
     buffer: &GBuffer,
-    irradiance: &Irradiance,
+    (irradiance, crevices): (&Irradiance, &Crevices),
     (x, y): (usize, usize),
     side: u32,
 ) -> Seen {
@@ -142,7 +145,8 @@ fn samples(
         let depth = (start + hit.t) * direction.dot(buffer.pose.forward);
         let footprint = buffer.pose.pixel_size(depth, h as f32);
         let vertex = Vertex::of(lit.tracer, lit.surfaces, &hit, direction, footprint);
-        let (soft, i) = around(lit, buffer, irradiance, (x, y), &vertex, footprint);
+        let known = (irradiance, crevices);
+        let (soft, i) = around(lit, buffer, known, (x, y), (k, &vertex, footprint));
         let hard = lamp_irradiance(lit.tracer, &vertex, &lit.lights.lamps);
         for c in 0..3 {
             let reflected = share * vertex.albedo[c] * FRAC_1_PI;
@@ -158,14 +162,14 @@ fn samples(
 fn around(
     lit: &Lit,
     buffer: &GBuffer,
-    irradiance: &Irradiance,
+    (irradiance, crevices): (&Irradiance, &Crevices),
     (x, y): (usize, usize),
-    vertex: &Vertex,
-    footprint: f32,
+    (index, vertex, footprint): (u32, &Vertex, f32),
 ) -> ([f32; 3], [f32; 3]) {
-    let (mut direct, mut indirect, mut total) = ([0.0; 3], [0.0; 3], 0.0);
+    let (mut direct, mut indirect, mut total, mut open) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
+    let ratio = |open: f32| crevices.ratio(lit, (x, y), vertex, footprint, (index, open));
     // As a last resort, the centre whose normal is most alike.
-    let mut likest = (-2.0, [0.0; 3]);
+    let mut likest = (-2.0, (x, y));
     for dy in -1..=1isize {
         for dx in -1..=1isize {
             let (u, v) = (x as isize + dx, y as isize + dy);
@@ -176,13 +180,14 @@ fn around(
             let offset = Vec3::from(buffer.position[at]) - vertex.position;
             let cosine = Vec3::from(buffer.normal[at]).dot(vertex.normal);
             if cosine > likest.0 {
-                likest = (cosine, irradiance.indirect[at]);
+                likest = (cosine, at);
             }
             let off_plane = offset.dot(vertex.normal).abs() / footprint;
             let apart = offset.length_squared() / (footprint * footprint);
             let weight =
                 cosine.max(0.0).powi(16) * (-2.0 * off_plane * off_plane - 0.5 * apart).exp();
             total += weight;
+            open += weight * crevices.open(at);
             (0..3).for_each(|c| {
                 direct[c] += weight * irradiance.direct.soft[at][c];
                 indirect[c] += weight * irradiance.indirect[at][c];
@@ -190,14 +195,16 @@ fn around(
         }
     }
     if total > 0.02 {
-        return (direct.map(|e| e / total), indirect.map(|e| e / total));
+        let scale = ratio(open / total) / total;
+        return (direct.map(|e| e * scale), indirect.map(|e| e * scale));
     }
     let sequence = Sequence::new((y * buffer.size().0 + x) as u64);
     let mut own = [0.0; 3];
     for k in 0..OWN_SAMPLES {
-        let numbers = numbers(&sequence, k, 2);
+        let numbers = numbers(lit.lights, &sequence, k, 2);
         let e = lit.lights.soft_irradiance(lit.tracer, lit.surfaces, vertex, &numbers);
         (0..3).for_each(|c| own[c] += e[c] / OWN_SAMPLES as f32);
     }
-    (own, likest.1)
+    let scale = ratio(crevices.open(likest.1));
+    (own, irradiance.indirect[likest.1].map(|e| e * scale))
 }

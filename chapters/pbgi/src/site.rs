@@ -5,6 +5,7 @@
 //! its barycentric coordinates, so that a deforming surface carries its surfels along: chosen once
 //! a shot, they do not swim.
 
+use crate::focus::Focus;
 use crate::knob::{LightKnobs, Sampling};
 use crate::poisson::poisson_sites;
 use chiaro_basis::random;
@@ -47,11 +48,14 @@ pub fn sites(scene: &Scene, frame: &Frame, count: usize) -> Vec<Site> {
     sites
 }
 
-/// The sites that the knobs ask for: those that are lit in full.
-pub fn sites_by(knobs: &LightKnobs, scene: &Scene, frame: &Frame) -> Vec<Site> {
+/// The sites that the knobs ask for, denser where a shot's cameras see them: those that are lit in full. Those
+/// from which a coded tree learns are even, as its own are.
+pub fn sites_by(knobs: &LightKnobs, scene: &Scene, frame: &Frame, focus: &Focus) -> Vec<Site> {
     let count = knobs.kept_surfels() as usize;
+    let even = || sites(scene, frame, count);
     match knobs.sampling {
-        Sampling::Sequence => sites(scene, frame, count),
+        Sampling::Sequence if knobs.is_compact() || !knobs.focus => even(),
+        Sampling::Sequence => focus.sites(scene, frame, count).unwrap_or_else(even),
         Sampling::Poisson => poisson_sites(scene, frame, count),
     }
 }

@@ -48,8 +48,12 @@ pub struct Surfels {
     pub all: Vec<Surfel>,
     /// Mean distance between neighbours: the root of area over number.
     pub spacing: f32,
+    /// Whether their areas differ.
+    pub uneven: bool,
 }
 
+/// A surfel's area over the mean from which on areas differ.
+const UNEVEN: f32 = 1.2;
 /// Light samples a side where light has an extent.
 const SOFT_SAMPLES: u32 = 4;
 
@@ -68,6 +72,7 @@ impl Surfels {
         });
         let area: f64 = all.iter().map(|s| f64::from(s.area)).sum();
         let spacing = (area / all.len().max(1) as f64).sqrt() as f32;
+        let uneven = all.iter().any(|s| s.area > UNEVEN * spacing * spacing);
         run.stage("direct", sites.len() as u64, || {
             all.par_iter_mut().enumerate().try_for_each(|(index, surfel)| {
                 run.check()?;
@@ -78,7 +83,7 @@ impl Surfels {
                 Ok(())
             })
         })?;
-        Ok(Self { all, spacing })
+        Ok(Self { all, spacing, uneven })
     }
 
     /// How many sides are dead.
@@ -117,7 +122,7 @@ fn light(lit: &Lit, site: &Site, surfel: &mut Surfel, index: u64) {
         }
         let mut sum = [0.0; 3];
         for k in 0..samples {
-            let numbers = numbers(&sequence, k, side as u32);
+            let numbers = numbers(lit.lights, &sequence, k, side as u32);
             let e = lit.lights.irradiance(lit.tracer, lit.surfaces, &at, &numbers, false);
             (0..3).for_each(|i| sum[i] += e[i] / samples as f32);
         }
@@ -125,10 +130,14 @@ fn light(lit: &Lit, site: &Site, surfel: &mut Surfel, index: u64) {
     }
 }
 
-/// The numbers for light sample `index`; `set` tells uses apart.
-pub(crate) fn numbers(sequence: &Sequence, index: u32, set: u32) -> LightNumbers {
-    let [u, v] = sequence.point(index, 3 * set);
+/// The numbers for light sample `index`; `set` tells uses apart. Those that nothing asks for are not made.
+pub(crate) fn numbers(lights: &Lights, sequence: &Sequence, index: u32, set: u32) -> LightNumbers {
+    let point = |wanted: bool, pair: u32| match wanted {
+        true => sequence.point(index, 3 * set + pair),
+        false => [0.0; 2],
+    };
+    let [u, v] = point(!lights.glow.is_empty(), 0);
     let [triangle, choice] = sequence.point(index, 3 * set + 1);
-    let sky = sequence.point(index, 3 * set + 2);
+    let sky = point(lights.sky.is_some() || lights.glow.is_scattered(), 2);
     LightNumbers { glow: [triangle, u, v], sky, choice }
 }

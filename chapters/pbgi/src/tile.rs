@@ -53,7 +53,7 @@ const CALM: Manner =
     Manner { side: 16, resolution: 1.0, threshold: 1.0, reach: 1.5, rays: [4, 12, 44] };
 /// Dense detail.
 const BUSY: Manner =
-    Manner { side: 8, resolution: 2.0 / 3.0, threshold: 1.5, reach: 2.0, rays: [8, 32, 32] };
+    Manner { side: 8, resolution: 0.8, threshold: 1.5, reach: 2.0, rays: [8, 32, 32] };
 /// The place of busy tiles' rays in the lattice, where all are one net: nearly all pixels need all.
 const BUSY_LATTICE: usize = 1;
 /// Pixels along a tile's side.
@@ -61,6 +61,8 @@ const TILE: usize = CALM.side;
 /// The least D, in distances at which a surfel's disc looks as large as the square root of the
 /// threshold.
 const LEAF_REACH: f32 = 2.5;
+/// Pixels of a cluster at which leaves are looked for.
+const LEAF_PROBES: usize = 4;
 /// The share of hits among probing rays over which a tile is busy, and their number.
 const BUSY_HITS: f32 = 0.3;
 const PROBES: u32 = 8;
@@ -213,7 +215,12 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
 
     /// The ball of a cluster: large enough that no surfel outside looks larger than the threshold.
     fn ball(&self, group: &[Pixel], manner: Manner) -> Ball {
-        let leaf = self.scene.tree.leaf_radius();
+        let radius = |p: &Pixel| {
+            let normal = Vec3::from(self.buffer.geometric_normal[*p]);
+            self.scene.leaf_radius(self.buffer.position[*p].into(), normal)
+        };
+        let some = group.iter().step_by((group.len() / LEAF_PROBES).max(1));
+        let leaf = some.map(radius).fold(0.0, f32::max);
         let least = LEAF_REACH * leaf / self.threshold(manner).sqrt();
         Ball::around(self.buffer, group, manner.reach, least)
     }

@@ -40,7 +40,7 @@ pub(super) fn gather(
         cap.check(knobs, files.baked.is_some() || files.bake.is_some(), files.baked.is_some())?;
     }
     if !knobs.is_compact() {
-        let sparse = shot.kept.prepare(*lit, &shot.sites, knobs, run)?;
+        let sparse = shot.kept.prepare(*lit, (&shot.sites, &shot.focus), knobs, run)?;
         let dead = sparse.surfels.dead_sides();
         let (surfels, bytes) = (sparse.surfels.all.len() as u64, sparse.tree.bytes());
         let nodes = sparse.tree.nodes.len();

@@ -7,7 +7,7 @@
 
 use chiaro_basis::{Result, Run};
 use chiaro_pbgi::surfel::Lit;
-use chiaro_pbgi::{LightKnobs, Points, Prepared, Site, prepare, sites_by};
+use chiaro_pbgi::{Focus, LightKnobs, Points, Prepared, Site, prepare, sites_by};
 use chiaro_scene::{Frame, Shape};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -23,7 +23,7 @@ impl Kept {
     pub(crate) fn prepare<'a>(
         &self,
         lit: Lit<'a>,
-        places: &[Site],
+        (places, focus): (&[Site], &Focus),
         knobs: &LightKnobs,
         run: &Run,
     ) -> Result<Prepared<'a>> {
@@ -32,7 +32,7 @@ impl Kept {
         match last {
             Some((before, points)) if stands_still(&before, frame) => Ok(points.again(lit, knobs)),
             _ if frame.shapes.iter().any(|s| s.remade.is_some()) => {
-                let own = sites_by(knobs, lit.tracer.scene, frame);
+                let own = sites_by(knobs, lit.tracer.scene, frame, focus);
                 prepare(lit, &own, knobs, run)
             }
             _ => prepare(lit, places, knobs, run),

@@ -9,7 +9,7 @@ use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::codec::{self, Limits};
 use chiaro_image::colour::luminance;
-use chiaro_pbgi::{LightKnobs, OwnSky, Site, Spread, sites_by};
+use chiaro_pbgi::{Focus, LightKnobs, OwnSky, Site, Spread, sites_by};
 use chiaro_scene::{Frame, LightKind, Pose};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{
@@ -35,6 +35,8 @@ pub(crate) struct Shot<'a> {
     pub(crate) project: &'a Project,
     pub(crate) camera: Camera,
     pub(crate) surfaces: Surfaces<'a>,
+    /// Where surfels lie denser.
+    pub(crate) focus: Focus,
     /// Surfels that are lit in full, and all of a coded tree.
     pub(crate) sites: Vec<Site>,
     pub(crate) spread: Spread,
@@ -79,7 +81,10 @@ impl<'a> Shot<'a> {
         let camera = Camera::choose(project, &frames, run)?;
         let surfaces = Surfaces::new(&project.scene);
         let pose = camera.pose(&frames[0], numbers[0]);
-        let sites = sites_by(knobs, &project.scene, &frames[0]);
+        let (width, height) = camera.size;
+        let poses = frames.iter().zip(&numbers).map(|(frame, &number)| camera.pose(frame, number));
+        let focus = Focus::new(poses, width as f32 / height as f32);
+        let sites = sites_by(knobs, &project.scene, &frames[0], &focus);
         let spread = match knobs.is_compact() {
             true => Spread::of(&project.scene, &frames[0], knobs.surfels.into()),
             false => Spread::default(),
@@ -92,6 +97,7 @@ impl<'a> Shot<'a> {
             project,
             camera,
             surfaces,
+            focus,
             sites,
             spread,
             files: TreeFiles::default(),

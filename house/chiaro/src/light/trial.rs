@@ -106,7 +106,7 @@ fn tried(
                 }
                 Some(count) => (by_paths(lit, buffer, way.knobs.bounces, count, 3, run)?, 0, start),
                 None => {
-                    let sites = sites_by(&way.knobs, &project.scene, frame);
+                    let sites = sites_by(&way.knobs, &project.scene, frame, &set.shot.focus);
                     let mut scene = prepare(*lit, &sites, &way.knobs, run)?;
                     scene.shift = way.shift;
                     let prepared = processor_seconds();
