@@ -59,6 +59,14 @@ pub(super) fn against_paths(
             break (error, sure);
         }
     };
+    if let (Some(e), Some(own)) = (error, reference_error)
+        && own > SURE * e
+    {
+        run.warn(format!(
+            "reference_error {own:.4} is over a fifth of rmse_relative {e:.4}, from which it is taken away; \
+             the error is known less surely"
+        ));
+    }
     let (direct, indirect) = (reference.direct(), reference.indirect());
     let truth = Plane::from_fn(width, height, |x, y| Seen {
         direct: direct[(x, y)],
