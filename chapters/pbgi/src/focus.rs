@@ -5,7 +5,7 @@
 //! the nearest camera, within bounds, and falls off beside the picture. All cameras of a shot count, and
 //! sites are chosen once a shot, so that surfels do not change while a camera moves.
 //!
-//! Guaranteed: what no camera sees keeps at least a thirty-second of the density of what is seen best at
+//! Guaranteed: what no camera sees keeps at least 1 / 128 of the density of what is seen best at
 //! close range. Triangles large for their distance are cut into pieces, so that density changes inside them.
 
 use crate::site::{Site, areas};
