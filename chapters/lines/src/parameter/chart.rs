@@ -1,7 +1,7 @@
 //! Charts: lines of a film cut so that merges and splits lie on chart borders (section 4.7).
 //!
 //! A cut is a place on a line in one frame, and where it goes in the frames after it or before it,
-//! until it leaves the line. Two ways to choose the cuts, which may follow each other:
+//! until it leaves the line. Ways to choose the cuts, which may follow each other:
 //!
 //! *At contradictions* ([`contradictions`]): where a robust solve finds links that cannot be had with
 //! the rest (a ring whose gap wanders asks a stretch to be at both ends of the line at once), the
@@ -10,6 +10,7 @@
 //!
 //! *At events* ([`events`]), as in the thesis: forward cuts from mergers and backward cuts from splits
 //! are paired where they come within sigma of each other; else they run to the end of the line's life.
+//! Either at every event, or only where lines of different ids meet.
 
 use super::net::{Link, Net};
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,6 +25,8 @@ const END: f64 = 4.0;
 pub(crate) struct Place {
     pub(crate) line: u32,
     pub(crate) at: f64,
+    /// Ids before and after it, where the line is to be parted between two of them.
+    pub(crate) ids: Option<[u32; 2]>,
 }
 
 /// What cuts at events came to.
@@ -81,7 +84,7 @@ impl<'a> Tracer<'a> {
         let [from, to] = ends(self.net, link);
         let (line, at) = if ahead { (link.lines[1], to) } else { (link.lines[0], from) };
         let off = place.at - best.0;
-        (off.abs() <= PART).then_some(Place { line, at: at + off })
+        (off.abs() <= PART).then_some(Place { line, at: at + off, ids: place.ids })
     }
 
     /// A place and where it goes until it comes to an end of its line.
@@ -181,7 +184,7 @@ fn apart(tracer: &Tracer<'_>, line: u32, span: [f64; 2], ahead: bool) -> Option<
         let cuts: Vec<Place> = [0, 1]
             .into_iter()
             .filter(|&side| inside[side] || (closed && inside[1 - side]))
-            .flat_map(|side| tracer.trace(Place { line, at: span[side] }, ahead))
+            .flat_map(|side| tracer.trace(Place { line, at: span[side], ids: None }, ahead))
             .collect();
         if !cuts.is_empty() {
             return Some(cuts);
@@ -195,11 +198,17 @@ fn apart(tracer: &Tracer<'_>, line: u32, span: [f64; 2], ahead: bool) -> Option<
     }
 }
 
-/// Cuts at mergers and splits; with `paired`, a merger looks for a split within `sigma` pixels.
-pub(crate) fn events(net: &Net, paired: bool, sigma: f64) -> (Vec<Place>, Saved) {
+/// Cuts at mergers and splits; with `paired`, a merger looks for a split within `sigma` pixels. With
+/// `ids` of lines, only where those that merge or part have different ones.
+pub(crate) fn events(
+    net: &Net,
+    paired: bool,
+    sigma: f64,
+    ids: Option<&[u32]>,
+) -> (Vec<Place>, Saved) {
     let tracer = Tracer::new(net);
-    let mergers = borders(&tracer, false);
-    let splits = borders(&tracer, true);
+    let mergers = borders(&tracer, false, ids);
+    let splits = borders(&tracer, true, ids);
     let mut saved = Saved { events: [mergers.len(), splits.len()], ..Saved::default() };
     let mut free: BTreeMap<u32, Vec<(f64, usize)>> = BTreeMap::new();
     for (i, s) in splits.iter().enumerate() {
@@ -274,15 +283,25 @@ fn sheared(path: &[Place], end: f64) -> Vec<Place> {
     path.iter().enumerate().map(bend).collect()
 }
 
-/// Places between stretches that come from different lines, or go to different ones.
-fn borders(tracer: &Tracer<'_>, leave: bool) -> Vec<Place> {
+/// Places between stretches that come from different lines, or go to different ones; with `ids`, to
+/// lines of different ids.
+fn borders(tracer: &Tracer<'_>, leave: bool, ids: Option<&[u32]>) -> Vec<Place> {
     let own = usize::from(!leave);
     let mut places = Vec::new();
     for line in 0..tracer.net.lines.len() as u32 {
         let runs = tracer.runs(line, leave, &|_| 0.0, f64::INFINITY);
-        for pair in runs.windows(2).filter(|p| p[0].lines != p[1].lines) {
-            let at = 0.5 * (pair[0].spans[own][1] + pair[1].spans[own][0]);
-            places.push(Place { line, at });
+        let mut between = |before: &Run, after: &Run, turn: f64| {
+            let lines = [before, after].map(|r| r.lines[1 - own]);
+            let ids = ids.map(|ids| lines.map(|l| ids[l as usize]));
+            if ids.unwrap_or(lines).windows(2).any(|p| p[0] != p[1]) {
+                let at = 0.5 * (before.spans[own][1] + after.spans[own][0] + turn);
+                places.push(Place { line, at, ids });
+            }
+        };
+        runs.windows(2).for_each(|p| between(&p[0], &p[1], 0.0));
+        let whole = &tracer.net.lines[line as usize];
+        if let ([first, .., last], true, true) = (runs.as_slice(), whole.closed, ids.is_some()) {
+            between(last, first, whole.total());
         }
     }
     places
@@ -297,7 +316,6 @@ mod tests {
     fn merger() -> Net {
         let line = |frame: u32, first: u32, count: u32| Line {
             frame,
-            stroke: 0,
             first,
             count,
             closed: false,

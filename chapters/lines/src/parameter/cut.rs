@@ -11,7 +11,7 @@
 
 use super::energy::{Energy, Weights};
 use super::failed;
-use super::net::Net;
+use super::net::{Link, Net};
 use chiaro_basis::{Result, Run};
 use std::collections::BTreeMap;
 
@@ -73,36 +73,27 @@ impl Robust<'_> {
         }
         let residual: Vec<f64> =
             (0..net.links.len()).map(|i| energy.residual(i, &u, wraps[i])).collect();
-        let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
-        for (link, r) in net.links.iter().zip(&residual) {
-            bundles.entry(link.lines).or_default().push(r.abs());
-        }
-        let median: BTreeMap<[u32; 2], f64> = bundles
-            .into_iter()
-            .map(|(lines, mut r)| {
-                let middle = r.len() / 2;
-                r.sort_unstable_by(f64::total_cmp);
-                (lines, r[middle])
-            })
-            .collect();
-        let mut kept = Kept {
-            trust: vec![1.0; net.links.len()],
-            wraps,
-            cut: 0,
-            cut_length: 0.0,
-            residual: Vec::new(),
-            u,
-        };
-        for (i, (link, r)) in net.links.iter().zip(&residual).enumerate() {
-            if r.abs() > SINGLE * self.sigma || median[&link.lines] > self.sigma {
-                kept.trust[i] = 0.0;
-                kept.cut += 1;
-                kept.cut_length += link.weight;
-            }
-        }
-        kept.residual = residual;
-        Ok(kept)
+        let trust = trusted(net, &residual, self.sigma);
+        let cut = || net.links.iter().zip(&trust).filter(|(_, t)| **t == 0.0);
+        let (count, cut_length) = (cut().count(), cut().map(|(l, _)| l.weight).sum());
+        Ok(Kept { trust, wraps, cut: count, cut_length, residual, u })
     }
+}
+
+/// 1 for links that agree by their residuals in pixels, 0 for those that do not.
+pub(crate) fn trusted(net: &Net, residual: &[f64], sigma: f64) -> Vec<f64> {
+    let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
+    for (link, r) in net.links.iter().zip(residual) {
+        bundles.entry(link.lines).or_default().push(r.abs());
+    }
+    let middle = |(lines, mut r): ([u32; 2], Vec<f64>)| {
+        r.sort_unstable_by(f64::total_cmp);
+        (lines, r[r.len() / 2])
+    };
+    let median: BTreeMap<[u32; 2], f64> = bundles.into_iter().map(middle).collect();
+    let agrees =
+        |(link, r): (&Link, &f64)| r.abs() <= SINGLE * sigma && median[&link.lines] <= sigma;
+    net.links.iter().zip(residual).map(|l| if agrees(l) { 1.0 } else { 0.0 }).collect()
 }
 
 /// How often each link goes round the closed line at one of its ends.

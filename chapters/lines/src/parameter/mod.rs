@@ -20,6 +20,7 @@ mod name;
 pub(crate) mod near;
 pub(crate) mod net;
 mod octave;
+mod part;
 mod propagate;
 mod seam;
 mod split;
@@ -35,9 +36,10 @@ use chiaro_basis::{Error, Result, Run};
 use cut::Kept;
 use energy::{Energy, Setting};
 use net::Net;
+use part::{Parts, Whole};
 use std::collections::BTreeMap;
 
-/// How often strokes are cut where links contradict each other.
+/// How often strokes are cut where links contradict each other, or where lines of two ids meet.
 const ROUNDS: usize = 4;
 /// A loop whose longest slice is longer than its shortest by more than this closes with a seam.
 const LOOP_GROWTH: f64 = 1.3;
@@ -120,7 +122,9 @@ pub struct Parameters {
     kept: Kept,
     scale: Vec<f64>,
     period: Vec<Option<f64>>,
-    /// Of each line: whose texture it shows, and the period of that.
+    /// The strokes of the film as parts of lines.
+    parts: Parts,
+    /// Of each stroke: whose texture it shows, and the period of that.
     textures: Vec<(u32, Option<f64>)>,
     saved: Option<Saved>,
 }
@@ -136,25 +140,26 @@ impl Parameters {
         let mut made = linked(film, &cut::ANNEAL)?;
         if matches!(knobs.cuts, Cuts::Both | Cuts::Events | Cuts::Unpaired) {
             let paired = knobs.cuts != Cuts::Unpaired;
-            let (places, saved) = chart::events(&made.net, paired, sigma);
+            let (places, saved) = chart::events(&made.net, paired, sigma, None);
             split::split(film, &made.net, &places);
             made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
         }
-        if matches!(knobs.cuts, Cuts::Charts | Cuts::Both) {
-            for _ in 0..ROUNDS {
-                let residual = |i: u32| made.kept.residual[i as usize];
-                let places = chart::contradictions(&made.net, &residual, sigma);
-                if split::split(film, &made.net, &places) == 0 {
-                    break;
-                }
-                made = Self { saved: made.saved, ..linked(film, &cut::AGAIN)? };
+        let to_charts = matches!(knobs.cuts, Cuts::Charts | Cuts::Both);
+        for _ in 0..if to_charts { ROUNDS } else { 0 } {
+            let residual = |i: u32| made.kept.residual[i as usize];
+            let places = chart::contradictions(&made.net, &residual, sigma);
+            if split::split(film, &made.net, &places).0 == 0 {
+                break;
             }
+            made = Self { saved: made.saved, ..linked(film, &cut::AGAIN)? };
         }
-        name::rename(film, &made.net, &made.kept, &made.scale);
-        let ids: Vec<u32> =
-            film.frames.iter().flat_map(net::strokes).map(|stroke| stroke.id).collect();
-        let components = chart::components(&made.net, &made.kept.trust, &ids);
-        made.textures = textures(&components, &made.period);
+        let Self { net, kept, scale, period, .. } = &made;
+        let whole = Whole { net, kept, scale, period };
+        let swept = knobs.links == Links::Swept;
+        made.parts = Parts::of(film, &whole, to_charts.then_some(sigma), swept);
+        let period: Vec<Option<f64>> =
+            made.parts.origins.iter().map(|o| made.period[o.line as usize]).collect();
+        made.textures = textures(&made.parts.components, &period);
         Ok(made)
     }
 
@@ -180,7 +185,8 @@ impl Parameters {
                 robust.agreeing(&net, &energy, &scale, &period)?
             }
         };
-        Ok(Self { net, energy, kept, scale, period, textures: Vec::new(), saved: None })
+        let parts = Parts { origins: Vec::new(), components: Vec::new() };
+        Ok(Self { net, energy, kept, scale, period, parts, textures: Vec::new(), saved: None })
     }
 
     /// Solves with some weights and writes u into the strokes of the film it was made from.
@@ -188,20 +194,21 @@ impl Parameters {
         let links = (self.kept.trust.as_slice(), self.kept.wraps.as_slice());
         let (mut u, mended) =
             monotone::solve(&self.net, &self.energy, weights, links).map_err(failed)?;
+        let mut own = Vec::with_capacity(self.net.lines.len());
         for (l, line) in self.net.lines.iter().enumerate() {
-            monotone::rising(line, &mut u, self.scale[l], self.period[l]);
-            let own = &u[line.first as usize..(line.first + line.count) as usize];
-            let frame = &mut film.frames[line.frame as usize];
-            let all = frame.strokes.iter_mut().chain(&mut frame.hidden);
-            let Some(stroke) = all.into_iter().nth(line.stroke as usize) else { continue };
-            let mut own = own.to_vec();
-            if line.closed {
-                let closing = line.total() - line.length[line.count as usize - 1];
-                let open = own[own.len() - 1] + closing / self.scale[l];
-                own.push(self.period[l].map_or(open, |p| own[0] + p));
-            }
-            stroke.set_u(own, self.scale[l]);
-            (stroke.component, stroke.repeats) = (Some(self.textures[l].0), self.textures[l].1);
+            let (scale, period) = (self.scale[l], self.period[l]);
+            monotone::rising(line, &mut u, scale, period);
+            let samples = &u[line.first as usize..(line.first + line.count) as usize];
+            own.push(part::closed_up(line, samples, scale, period));
+        }
+        let strokes =
+            film.frames.iter_mut().flat_map(|f| f.strokes.iter_mut().chain(&mut f.hidden));
+        let parts = self.parts.origins.iter().zip(&self.textures);
+        for (stroke, (origin, texture)) in strokes.zip(parts) {
+            let l = origin.line as usize;
+            let u = part::values(&self.net.lines[l], &own[l], origin, &stroke.length);
+            stroke.set_u(u, self.scale[l]);
+            (stroke.component, stroke.repeats) = (Some(texture.0), texture.1);
         }
         Ok(Solved {
             unknowns: self.net.unknowns,
@@ -209,7 +216,7 @@ impl Parameters {
             cut: self.kept.cut,
             cut_length: self.kept.cut_length,
             charts: self.textures.iter().enumerate().filter(|(l, t)| t.0 as usize == *l).count(),
-            lines: self.net.lines.len(),
+            lines: self.textures.len(),
             mended,
             saved: self.saved,
         })

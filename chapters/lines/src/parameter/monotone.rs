@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn folds_are_mended_and_the_rest_stays() {
         let length: Vec<f64> = (0..6).map(|i| 3.0 * f64::from(i)).collect();
-        let line = Line { frame: 0, stroke: 0, first: 0, count: 6, closed: false, length };
+        let line = Line { frame: 0, first: 0, count: 6, closed: false, length };
         let mut u = vec![0.0, 3.0, 6.0, 5.0, 12.0, 15.0];
         rising(&line, &mut u, 1.0, None);
         assert!(u.windows(2).all(|p| p[1] > p[0]), "{u:?}");

@@ -27,8 +27,6 @@ const END_MEETS_END: f64 = 1.0;
 pub(crate) struct Line {
     /// Its frame.
     pub(crate) frame: u32,
-    /// Its index among the frame's strokes, hidden ones after the seen.
-    pub(crate) stroke: u32,
     /// Its first unknown.
     pub(crate) first: u32,
     /// How many samples.
@@ -90,11 +88,10 @@ impl Net {
     pub(crate) fn of(film: &Film, swept: bool) -> Self {
         let mut net = Self { lines: Vec::new(), frames: vec![0], links: Vec::new(), unknowns: 0 };
         for (f, frame) in film.frames.iter().enumerate() {
-            for (i, s) in strokes(frame).enumerate() {
+            for s in strokes(frame) {
                 let count = s.samples.len() as u32;
                 net.lines.push(Line {
                     frame: f as u32,
-                    stroke: i as u32,
                     first: net.unknowns as u32,
                     count,
                     closed: s.closed,

@@ -2,6 +2,7 @@
 
 use super::chart::Place;
 use super::net::Net;
+use super::part::Origin;
 use crate::film::Film;
 use crate::stroke::{Sample, Stroke};
 use std::collections::BTreeMap;
@@ -13,13 +14,14 @@ const TRIM: f64 = 0.5;
 /// Samples nearer than this to an end give way to it, pixels.
 const SAME: f64 = 0.05;
 
-/// Cuts the film's strokes; answers how many cuts were made. Lines of `net` are its strokes.
-pub(crate) fn split(film: &mut Film, net: &Net, places: &[Place]) -> usize {
-    let mut by_line: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+/// Cuts the film's strokes, which are the lines of `net`; answers how many cuts were made, and for each
+/// stroke the line that it is a part of.
+pub(crate) fn split(film: &mut Film, net: &Net, places: &[Place]) -> (usize, Vec<Origin>) {
+    let mut by_line: BTreeMap<u32, Vec<Place>> = BTreeMap::new();
     for place in places {
-        by_line.entry(place.line).or_default().push(place.at);
+        by_line.entry(place.line).or_default().push(*place);
     }
-    let mut made = 0;
+    let mut origins = Vec::with_capacity(net.lines.len());
     for (f, frame) in film.frames.iter_mut().enumerate() {
         let seen = frame.strokes.len();
         let lines = net.of_frame(f);
@@ -29,52 +31,63 @@ pub(crate) fn split(film: &mut Film, net: &Net, places: &[Place]) -> usize {
                 let line = (lines.start + offset + i) as u32;
                 match by_line.remove(&line) {
                     Some(at) => {
-                        let pieces = pieces(stroke, at);
-                        made += pieces.len() - 1;
-                        list.extend(pieces);
+                        for (from, piece) in pieces(stroke, at) {
+                            origins.push(Origin { line, from, turns: 0.0 });
+                            list.push(piece);
+                        }
                     }
-                    None => list.push(stroke),
+                    None => {
+                        origins.push(Origin { line, from: 0.0, turns: 0.0 });
+                        list.push(stroke);
+                    }
                 }
             }
         }
     }
-    made
+    (origins.len() - net.lines.len(), origins)
 }
 
-/// A stroke cut at some lengths.
-fn pieces(stroke: Stroke, mut at: Vec<f64>) -> Vec<Stroke> {
-    at.sort_unstable_by(f64::total_cmp);
-    let mut rest = if stroke.closed { opened(&stroke, &mut at) } else { stroke };
+/// A stroke cut at some places, each piece with the length at which it begins; where places say so,
+/// the pieces beside them take their ids.
+fn pieces(stroke: Stroke, mut at: Vec<Place>) -> Vec<(f64, Stroke)> {
+    at.sort_unstable_by(|a, b| a.at.total_cmp(&b.at));
+    let (start, mut rest) = if stroke.closed { opened(&stroke, &mut at) } else { (0.0, stroke) };
     let mut pieces = Vec::new();
     let mut done = 0.0;
     for cut in at {
-        let here = cut - done;
+        let here = cut.at - done;
         if here < SHORTEST || here > rest.total() - SHORTEST {
             continue;
         }
-        pieces.push(part(&rest, 0.0, here - TRIM));
+        let mut before = part(&rest, 0.0, here - TRIM);
         rest = part(&rest, here + TRIM, rest.total());
-        done = cut + TRIM;
+        if let Some(ids) = cut.ids {
+            [before.id, rest.id] = ids;
+        }
+        pieces.push((start + done, before));
+        done = cut.at + TRIM;
     }
-    pieces.push(rest);
+    pieces.push((start + done, rest));
     pieces
 }
 
-/// A closed stroke opened at the first cut, from which the others are measured then.
-fn opened(stroke: &Stroke, at: &mut Vec<f64>) -> Stroke {
+/// A closed stroke opened at the first cut, from which the others are measured then, and where that is.
+fn opened(stroke: &Stroke, at: &mut Vec<Place>) -> (f64, Stroke) {
     let total = stroke.total();
     if at.is_empty() || total < 2.0 * SHORTEST {
         at.clear();
-        return stroke.clone();
+        return (0.0, stroke.clone());
     }
-    let start = at.remove(0) + TRIM;
-    at.iter_mut().for_each(|l| *l = (*l - start).rem_euclid(total));
-    at.sort_unstable_by(f64::total_cmp);
+    let cut = at.remove(0);
+    let start = (cut.at + TRIM).rem_euclid(total);
+    at.iter_mut().for_each(|p| p.at = (p.at - start).rem_euclid(total));
+    at.sort_unstable_by(|a, b| a.at.total_cmp(&b.at));
     let first = part(stroke, start, total);
-    let mut open = part(stroke, 0.0, start - 2.0 * TRIM);
+    let mut open = part(stroke, 0.0, (start - 2.0 * TRIM).max(0.0));
     open.samples.splice(0..0, first.samples[..first.samples.len() - 1].iter().copied());
     open.measure();
-    open
+    open.id = cut.ids.map_or(open.id, |ids| ids[1]);
+    (start, open)
 }
 
 /// The part of a stroke between two lengths, open.
