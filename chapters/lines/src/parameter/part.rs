@@ -1,0 +1,200 @@
+//! [`Parts`]: lines of a film parted where two ids meet, as parts of the lines that were solved.
+//!
+//! Where lines of two ids merge, texture goes on from either into the line that they become, yet that
+//! line can have but one of the ids. So it is parted there for as long as it lasts (a cut in name
+//! alone): u is that of the whole line, and neither slides nor stretches for the cut.
+
+use super::chart::{self, Place};
+use super::cut::{Kept, trusted};
+use super::net::{Line, Link, Net};
+use super::{ROUNDS, crosses_seam, name, net, split};
+use crate::film::Film;
+
+/// Where a stroke lies on a line that was solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Origin {
+    /// The line.
+    pub(crate) line: u32,
+    /// Picture length on it at which the stroke begins; closed lines may be passed once round.
+    pub(crate) from: f64,
+    /// What is added to u: whole turns, so that u goes on from frame to frame where a loop is parted.
+    pub(crate) turns: f64,
+}
+
+/// The lines that were solved, with what is known of each.
+pub(crate) struct Whole<'a> {
+    pub(crate) net: &'a Net,
+    pub(crate) kept: &'a Kept,
+    /// Pixels a unit of u.
+    pub(crate) scale: &'a [f64],
+    pub(crate) period: &'a [Option<f64>],
+}
+
+/// The strokes of a film, as they stand in it, after its lines were parted.
+pub(crate) struct Parts {
+    pub(crate) origins: Vec<Origin>,
+    /// Of each stroke: the first of those whose texture it shows.
+    pub(crate) components: Vec<u32>,
+}
+
+impl Parts {
+    /// Names the strokes of a film, parts them where two ids meet if `sigma` is given, and names them
+    /// again.
+    pub(crate) fn of(film: &mut Film, whole: &Whole<'_>, sigma: Option<f64>, swept: bool) -> Self {
+        let lines = 0..whole.net.lines.len() as u32;
+        let mut origins: Vec<Origin> =
+            lines.map(|line| Origin { line, from: 0.0, turns: 0.0 }).collect();
+        let mut ids = named(film, whole.net, whole.kept, whole.scale);
+        let mut components = chart::components(whole.net, &whole.kept.trust, &ids);
+        let Some(sigma) = sigma else { return Self { origins, components } };
+        let mut parted: Option<Net> = None;
+        for _ in 0..ROUNDS {
+            let net = parted.as_ref().unwrap_or(whole.net);
+            let places = meetings(net, &ids, sigma);
+            let (made, from) = split::split(film, net, &places);
+            if made == 0 {
+                break;
+            }
+            origins = from.iter().map(|o| whole.origin(&origins, o)).collect();
+            let net = Net::of(film, swept);
+            let (net, kept, scale) = whole.parted(net, &mut origins, sigma);
+            ids = named(film, &net, &kept, &scale);
+            components = chart::components(&net, &kept.trust, &ids);
+            parted = Some(net);
+        }
+        Self { origins, components }
+    }
+}
+
+/// Where lines of different ids merge or part.
+fn meetings(net: &Net, ids: &[u32], sigma: f64) -> Vec<Place> {
+    chart::events(net, true, sigma, Some(ids)).0
+}
+
+/// Gives the film's strokes the ids of charts; answers them in order.
+fn named(film: &mut Film, net: &Net, kept: &Kept, scale: &[f64]) -> Vec<u32> {
+    name::rename(film, net, kept, scale);
+    film.frames.iter().flat_map(net::strokes).map(|stroke| stroke.id).collect()
+}
+
+impl Whole<'_> {
+    /// A part of a part as a part of the whole.
+    fn origin(&self, before: &[Origin], part: &Origin) -> Origin {
+        let old = before[part.line as usize];
+        let total = self.net.lines[old.line as usize].total();
+        let from = old.from + part.from;
+        Origin { line: old.line, from: if from > total { from - total } else { from }, turns: 0.0 }
+    }
+
+    /// The net of parts, whose links are trusted where u agrees; chooses turns of parts of loops.
+    fn parted(&self, mut net: Net, origins: &mut [Origin], sigma: f64) -> (Net, Kept, Vec<f64>) {
+        let of = |o: &Origin| o.line as usize;
+        let scale: Vec<f64> = origins.iter().map(|o| self.scale[of(o)]).collect();
+        let once: Vec<Option<f64>> = origins.iter().map(|o| self.period[of(o)]).collect();
+        let closed = |(line, p): (&Line, &Option<f64>)| p.filter(|_| line.closed);
+        let period: Vec<Option<f64>> = net.lines.iter().zip(&once).map(closed).collect();
+        let Net { lines, links, .. } = &mut net;
+        links.retain(|l| !crosses_seam(lines, l, &period));
+        let mut u = self.values(&net, origins);
+        turn(&net, &once, &mut u, origins);
+        let residual: Vec<f64> = (net.links.iter())
+            .map(|link| {
+                let [from, to] = link.lines.map(|l| once[l as usize]);
+                let off = off(link, &u, to);
+                let turns = to.or(from).map_or(0.0, |p| (off / p).round() * p);
+                (off - turns) * scale[link.lines[0] as usize]
+            })
+            .collect();
+        let trust = trusted(&net, &residual, sigma);
+        let wraps = Vec::new();
+        (net, Kept { trust, wraps, cut: 0, cut_length: 0.0, residual, u }, scale)
+    }
+
+    /// u of every sample of parts where textures are nearly rigid.
+    fn values(&self, net: &Net, origins: &[Origin]) -> Vec<f64> {
+        let mut u = Vec::with_capacity(net.unknowns);
+        for (line, origin) in net.lines.iter().zip(origins) {
+            let l = origin.line as usize;
+            let whole = &self.net.lines[l];
+            let own = &self.kept.u[whole.first as usize..(whole.first + whole.count) as usize];
+            let own = closed_up(whole, own, self.scale[l], self.period[l]);
+            u.extend(values(whole, &own, origin, &line.length[..line.count as usize]));
+        }
+        u
+    }
+}
+
+/// What u at a link's sample has more than where it leads, in units of u.
+fn off(link: &Link, u: &[f64], period: Option<f64>) -> f64 {
+    let place = link.to.map(|k| u[k as usize]);
+    let turn = if link.around { period.unwrap_or(0.0) } else { 0.0 };
+    u[link.from as usize] - place[0] - (place[1] + turn - place[0]) * link.share
+}
+
+/// Adds whole turns to u of open parts of loops, `once` round each, so that it goes on from the frame
+/// before.
+fn turn(net: &Net, once: &[Option<f64>], u: &mut [f64], origins: &mut [Origin]) {
+    let mut reaching: Vec<Vec<&Link>> = vec![Vec::new(); net.lines.len()];
+    net.links.iter().for_each(|link| reaching[link.lines[1] as usize].push(link));
+    for (l, line) in net.lines.iter().enumerate().filter(|(_, line)| !line.closed) {
+        let Some(p) = once[l] else { continue };
+        let mut turns: Vec<f64> =
+            reaching[l].iter().map(|k| (off(k, u, None) / p).round()).collect();
+        turns.sort_unstable_by(f64::total_cmp);
+        let Some(turns) = turns.get(turns.len() / 2) else { continue };
+        origins[l].turns = turns * p;
+        u[line.first as usize..(line.first + line.count) as usize]
+            .iter_mut()
+            .for_each(|u| *u += turns * p);
+    }
+}
+
+/// u of a line's samples; where it is closed, once more of the first.
+pub(crate) fn closed_up(line: &Line, own: &[f64], scale: f64, period: Option<f64>) -> Vec<f64> {
+    let mut own = own.to_vec();
+    if line.closed {
+        let closing = line.total() - line.length[line.count as usize - 1];
+        let open = own[own.len() - 1] + closing / scale;
+        own.push(period.map_or(open, |p| own[0] + p));
+    }
+    own
+}
+
+/// u of a part of a line, whose u is closed up, at some lengths of the part.
+pub(crate) fn values(line: &Line, own: &[f64], part: &Origin, lengths: &[f64]) -> Vec<f64> {
+    let from = part.from;
+    if from == 0.0 && lengths == &line.length[..lengths.len()] {
+        return own[..lengths.len()].to_vec();
+    }
+    let turn = own[own.len() - 1] - own[0];
+    let at = |length: &f64| {
+        let x = from + length;
+        let round = line.closed && x > line.total();
+        let x = if round { x - line.total() } else { x };
+        let k = line.length.partition_point(|l| *l <= x).clamp(1, own.len() - 1);
+        let [a, b] = [line.length[k - 1], line.length[k]];
+        let share = if b > a { ((x - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
+        let u = own[k - 1] + (own[k] - own[k - 1]) * share;
+        u + part.turns + if round { turn } else { 0.0 }
+    };
+    lengths.iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_loop_go_on_past_its_seam() {
+        let length: Vec<f64> = (0..=10).map(|k| 3.0 * f64::from(k)).collect();
+        let line = Line { frame: 0, first: 0, count: 10, closed: true, length };
+        let own: Vec<f64> = (0..10).map(|k| 0.3 * f64::from(k)).collect();
+        let own = closed_up(&line, &own, 10.0, Some(3.0));
+        let origin = |from: f64| Origin { line: 0, from, turns: 0.0 };
+        let part = values(&line, &own, &origin(25.5), &[0.0, 3.0, 6.0, 9.0]);
+        for (k, u) in part.iter().enumerate() {
+            assert!((u - (2.55 + 0.3 * k as f64)).abs() < 1e-12, "{part:?}");
+        }
+        assert_eq!(values(&line, &own, &origin(0.0), &line.length), own);
+    }
+}
