@@ -47,7 +47,8 @@ choice! {
 choice! {
     /// How lines that merge and split are kept apart.
     pub enum Cuts {
-        /// A robust solve finds what contradicts; lines are cut there into charts.
+        /// A robust solve finds what contradicts; lines are cut there into charts, and parted in name
+        /// alone where lines of two ids merge.
         #[default]
         Charts = "charts",
         /// At every merger and split, paired within the sliding limit, and where contradictions are

@@ -79,6 +79,9 @@ pub struct Stroke {
     /// After how much of u the texture begins anew: once round the closed lines of its component,
     /// whether this one is closed or not.
     pub repeats: Option<f64>,
+    /// The line that it is a part of in name alone, and whether that is closed: where lines of two ids
+    /// merge, what they become is listed part after part.
+    pub part: Option<(u32, bool)>,
 }
 
 impl Sample {
@@ -128,6 +131,7 @@ impl Stroke {
             pixels_per_u: 1.0,
             component: None,
             repeats: None,
+            part: None,
         };
         stroke.measure();
         stroke

@@ -4,7 +4,7 @@ mod meshes;
 
 use chiaro_basis::Run;
 use chiaro_basis::math::{Vec3, vec3};
-use chiaro_lines::parameter::{Diffuser, Parameters, Solved, Weights, parameterize};
+use chiaro_lines::parameter::{Diffuser, Parameters, Solved, Weights, parameterize, whole};
 use chiaro_lines::{Cuts, Film, LinesKnobs, Links, Method, Quality, Reel, Texture, View, quality};
 use chiaro_scene::{Frame, Scene};
 use meshes::*;
@@ -290,4 +290,28 @@ fn an_id_has_one_texture_and_loops_close_as_it_repeats() {
         assert!(!stroke.closed || stroke.u_period == stroke.repeats, "a loop closes as it repeats");
     }
     assert!(q.texture_jumps < 0.02, "{q:?}");
+}
+
+#[test]
+fn lines_are_parted_in_name_where_ids_meet() {
+    let jumps = |cuts: Cuts| {
+        let mut film = torus_film(24, 3.0);
+        let (_, q) = solve(&mut film, &LinesKnobs { cuts, ..plain() });
+        assert_eq!(q.folds, 0);
+        for frame in &film.frames {
+            let joined = whole(&frame.strokes);
+            let parted = frame.strokes.iter().filter(|s| s.part.is_some());
+            assert!(joined.len() <= frame.strokes.len() - parted.count() / 2);
+            for s in joined {
+                assert!(s.u.windows(2).all(|u| u[0] < u[1]), "u goes on across parts");
+                let steps = s.length.windows(2).map(|l| l[1] - l[0]);
+                assert!(steps.fold(0.0, f64::max) < 10.0, "parts follow each other");
+            }
+        }
+        (q, film.frames.iter().map(|f| f.strokes.len()).sum::<usize>())
+    };
+    let ((whole, few), (parted, more)) = (jumps(Cuts::Links), jumps(Cuts::Charts));
+    assert!(parted.jumps < 0.004 && parted.jumps <= whole.jumps, "{parted:?} {whole:?}");
+    assert!(parted.slide_p95 < 1.2 * whole.slide_p95, "{parted:?} {whole:?}");
+    assert!(more <= 2 * few, "{more} {few}");
 }

@@ -3,6 +3,7 @@
 //! ```text
 //!  Film ─seam::carry→ seams that last ─Net→ unknowns, links ─Energy→ rows, factored once
 //!  rows ─cut::agreeing→ links that agree ─monotone::solve→ u ─→ Stroke::u
+//!  links that agree ─name::rename→ ids ─Parts→ lines parted where two ids meet
 //! ```
 //!
 //! [`parameterize`] runs one of four methods: the global solution, or one of the baselines, which go
@@ -29,6 +30,7 @@ pub use chart::Saved;
 pub use diffuse::{Diffused, Diffuser, Gesture};
 pub use energy::Weights;
 pub use live::Live;
+pub use part::whole;
 
 use crate::film::Film;
 use crate::knob::{Cuts, LinesKnobs, Links, Method, Texture};
@@ -204,8 +206,13 @@ impl Parameters {
         let strokes =
             film.frames.iter_mut().flat_map(|f| f.strokes.iter_mut().chain(&mut f.hidden));
         let parts = self.parts.origins.iter().zip(&self.textures);
+        let mut count = vec![0; self.net.lines.len()];
+        self.parts.origins.iter().for_each(|o| count[o.line as usize] += 1);
         for (stroke, (origin, texture)) in strokes.zip(parts) {
             let l = origin.line as usize;
+            let closed = self.net.lines[l].closed;
+            stroke.part =
+                (count[l] > 1 || closed != stroke.closed).then_some((origin.line, closed));
             let u = part::values(&self.net.lines[l], &own[l], origin, &stroke.length);
             stroke.set_u(u, self.scale[l]);
             (stroke.component, stroke.repeats) = (Some(texture.0), texture.1);

@@ -9,6 +9,9 @@ use super::cut::{Kept, trusted};
 use super::net::{Line, Link, Net};
 use super::{ROUNDS, crosses_seam, name, net, split};
 use crate::film::Film;
+use crate::stroke::Stroke;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// Where a stroke lies on a line that was solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,22 +134,54 @@ fn off(link: &Link, u: &[f64], period: Option<f64>) -> f64 {
     u[link.from as usize] - place[0] - (place[1] + turn - place[0]) * link.share
 }
 
-/// Adds whole turns to u of open parts of loops, `once` round each, so that it goes on from the frame
-/// before.
+/// Adds whole turns to u of open lines, `once` round the loops of which they are parts, so that u goes
+/// on from frame to frame: heavier bundles of links first.
 fn turn(net: &Net, once: &[Option<f64>], u: &mut [f64], origins: &mut [Origin]) {
-    let mut reaching: Vec<Vec<&Link>> = vec![Vec::new(); net.lines.len()];
-    net.links.iter().for_each(|link| reaching[link.lines[1] as usize].push(link));
-    for (l, line) in net.lines.iter().enumerate().filter(|(_, line)| !line.closed) {
-        let Some(p) = once[l] else { continue };
-        let mut turns: Vec<f64> =
-            reaching[l].iter().map(|k| (off(k, u, None) / p).round()).collect();
-        turns.sort_unstable_by(f64::total_cmp);
-        let Some(turns) = turns.get(turns.len() / 2) else { continue };
-        origins[l].turns = turns * p;
-        u[line.first as usize..(line.first + line.count) as usize]
-            .iter_mut()
-            .for_each(|u| *u += turns * p);
+    let mut bundles: BTreeMap<[u32; 2], (f64, Vec<f64>)> = BTreeMap::new();
+    for link in net.links.iter().filter(|l| l.lines.iter().all(|l| !net.lines[*l as usize].closed))
+    {
+        let [from, to] = link.lines.map(|l| once[l as usize]);
+        let turns = to.or(from).map_or(0.0, |p| (off(link, u, None) / p).round() * p);
+        let bundle = bundles.entry(link.lines).or_default();
+        bundle.0 += link.weight;
+        bundle.1.push(turns);
     }
+    let mut bundles: Vec<([u32; 2], f64, f64)> = bundles
+        .into_iter()
+        .map(|(lines, (weight, mut turns))| {
+            turns.sort_unstable_by(f64::total_cmp);
+            (lines, weight, turns[turns.len() / 2])
+        })
+        .collect();
+    bundles.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let mut trees: Vec<(u32, f64)> = (0..net.lines.len() as u32).map(|l| (l, 0.0)).collect();
+    for ([a, b], _, turns) in bundles {
+        let [(a, at_a), (b, at_b)] = [a, b].map(|l| root(&mut trees, l));
+        // The line that comes later takes over.
+        let (low, high, more) = match a < b {
+            true => (a, b, at_a + turns - at_b),
+            false => (b, a, at_b - turns - at_a),
+        };
+        if low != high {
+            trees[high as usize] = (low, more);
+        }
+    }
+    for (l, line) in net.lines.iter().enumerate().filter(|(_, line)| !line.closed) {
+        origins[l].turns = root(&mut trees, l as u32).1;
+        let samples = line.first as usize..(line.first + line.count) as usize;
+        u[samples].iter_mut().for_each(|u| *u += origins[l].turns);
+    }
+}
+
+/// The root of a line's tree, and what u of the line gains over the root's.
+fn root(trees: &mut [(u32, f64)], line: u32) -> (u32, f64) {
+    let (mut at, mut more) = (line, 0.0);
+    while trees[at as usize].0 != at {
+        more += trees[at as usize].1;
+        at = trees[at as usize].0;
+    }
+    trees[line as usize] = if at == line { (line, 0.0) } else { (at, more) };
+    (at, more)
 }
 
 /// u of a line's samples; where it is closed, once more of the first.
@@ -164,7 +199,7 @@ pub(crate) fn closed_up(line: &Line, own: &[f64], scale: f64, period: Option<f64
 pub(crate) fn values(line: &Line, own: &[f64], part: &Origin, lengths: &[f64]) -> Vec<f64> {
     let from = part.from;
     if from == 0.0 && lengths == &line.length[..lengths.len()] {
-        return own[..lengths.len()].to_vec();
+        return own[..lengths.len()].iter().map(|u| u + part.turns).collect();
     }
     let turn = own[own.len() - 1] - own[0];
     let at = |length: &f64| {
@@ -178,6 +213,37 @@ pub(crate) fn values(line: &Line, own: &[f64], part: &Origin, lengths: &[f64]) -
         u + part.turns + if round { turn } else { 0.0 }
     };
     lengths.iter().map(at).collect()
+}
+
+/// The strokes of a list, those joined that are parts of one line in name alone.
+pub fn whole(strokes: &[Stroke]) -> Vec<Cow<'_, Stroke>> {
+    let same = |a: &Stroke, b: &Stroke| a.part.is_some() && a.part == b.part;
+    let join = |parts: &_| match parts {
+        [stroke] if !stroke.part.is_some_and(|(_, closed)| closed) => Cow::Borrowed(stroke),
+        parts => Cow::Owned(joined(parts)),
+    };
+    strokes.chunk_by(same).map(join).collect()
+}
+
+/// One stroke of parts that follow each other, under the first one's id.
+fn joined(parts: &[Stroke]) -> Stroke {
+    let mut whole = parts[0].clone();
+    let mut u = whole.u.clone();
+    for part in &parts[1..] {
+        // Parts may be apart by whole turns.
+        let off = u.last().zip(part.u.first()).map_or(0.0, |(a, b)| a - b);
+        let turns = whole.repeats.filter(|p| *p > 0.0).map_or(0.0, |p| (off / p).round() * p);
+        whole.samples.extend(&part.samples);
+        u.extend(part.u.iter().map(|u| u + turns));
+    }
+    whole.closed = whole.part.is_some_and(|(_, closed)| closed);
+    whole.measure();
+    if let (true, [.., before, last]) = (whole.closed, whole.length.as_slice()) {
+        let open = u[u.len() - 1] + (last - before) / whole.pixels_per_u;
+        u.push(whole.repeats.map_or(open, |p| u[0] + p));
+    }
+    whole.set_u(u, whole.pixels_per_u);
+    whole
 }
 
 #[cfg(test)]

@@ -5,8 +5,10 @@ use super::picture::id_colour;
 use super::style::{LineStyle, Subject};
 use crate::colours::Colours;
 use chiaro_ink::brush::{Axis, Brush, Knot, Mark, Spine, Stroke as Inked};
+use chiaro_lines::parameter::whole;
 use chiaro_lines::{FilmFrame, Kind, LinesKnobs, Owner, Stroke, Texture, View};
 use chiaro_scene::Projection;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -18,7 +20,7 @@ const FADE: f64 = 0.12;
 
 /// A stroke ready to be drawn.
 pub(crate) struct Drawn<'a> {
-    pub(crate) stroke: &'a Stroke,
+    pub(crate) stroke: Cow<'a, Stroke>,
     pub(crate) spine: Spine,
     pub(crate) brush: Arc<Brush>,
     pub(crate) colour: [f32; 4],
@@ -58,17 +60,17 @@ pub(crate) fn ready<'a>(
 ) -> Vec<Drawn<'a>> {
     let mut brushes: BTreeMap<(Kind, bool, Option<Owner>), Arc<Brush>> = BTreeMap::new();
     let mut drawn: Vec<Drawn<'a>> = Vec::new();
-    for stroke in frame.hidden.iter().chain(&frame.strokes) {
+    for stroke in whole(&frame.hidden).into_iter().chain(whole(&frame.strokes)) {
         let key = (stroke.kind, stroke.visible, stroke.owner);
         let brush = brushes
             .entry(key)
-            .or_insert_with(|| Arc::new(style.brush_for(&subject(stroke, &shot.names))));
-        let colour = colour(brush, stroke, &shot.names, colours);
-        for (scale, ink) in scales(stroke, brush, &style.knobs) {
-            let spine = spine(stroke, &frame.view, scale);
+            .or_insert_with(|| Arc::new(style.brush_for(&subject(&stroke, &shot.names))));
+        let colour = colour(brush, &stroke, &shot.names, colours);
+        for (scale, ink) in scales(&stroke, brush, &style.knobs) {
+            let spine = spine(&stroke, &frame.view, scale);
             let [r, g, b, a] = colour;
             drawn.push(Drawn {
-                stroke,
+                stroke: stroke.clone(),
                 spine,
                 brush: Arc::clone(brush),
                 colour: [r, g, b, a * ink],
@@ -181,6 +183,7 @@ mod tests {
             pixels_per_u: 20.0 * grown,
             component: None,
             repeats: None,
+            part: None,
         };
         let at = |grown: f64| scales(&stroke(grown), &brush, &knobs);
         assert_eq!(at(1.0), [(20.0, 1.0)]);

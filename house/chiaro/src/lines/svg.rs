@@ -136,7 +136,7 @@ impl Pen<'_> {
     }
 
     fn name(&mut self, drawn: &Drawn<'_>) -> String {
-        let stroke = drawn.stroke;
+        let stroke = &*drawn.stroke;
         let prefix = if stroke.visible { "" } else { "hidden-" };
         let part = self.parts.entry((stroke.kind, stroke.visible, stroke.id)).or_insert(0);
         *part += 1;
@@ -182,7 +182,7 @@ fn place(rib: &Rib) -> Point {
 
 /// What other programs may want to know of a stroke.
 fn data(drawn: &Drawn<'_>) -> Vec<(&'static str, String)> {
-    let stroke = drawn.stroke;
+    let stroke = &*drawn.stroke;
     let number = |x: f64| format!("{}", (x * 1e4).round() / 1e4 + 0.0);
     let mut data = vec![("type", stroke.kind.name().to_owned()), ("id", stroke.id.to_string())];
     if let (Some(first), Some(last)) = (stroke.u.first(), stroke.u.last()) {
