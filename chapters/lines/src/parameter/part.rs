@@ -218,11 +218,15 @@ pub(crate) fn values(line: &Line, own: &[f64], part: &Origin, lengths: &[f64]) -
 /// The strokes of a list, those joined that are parts of one line in name alone.
 pub fn whole(strokes: &[Stroke]) -> Vec<Cow<'_, Stroke>> {
     let same = |a: &Stroke, b: &Stroke| a.part.is_some() && a.part == b.part;
-    let join = |parts: &_| match parts {
+    strokes.chunk_by(same).map(one).collect()
+}
+
+/// One line of a list's strokes that are its parts.
+fn one(parts: &[Stroke]) -> Cow<'_, Stroke> {
+    match parts {
         [stroke] if !stroke.part.is_some_and(|(_, closed)| closed) => Cow::Borrowed(stroke),
         parts => Cow::Owned(joined(parts)),
-    };
-    strokes.chunk_by(same).map(join).collect()
+    }
 }
 
 /// One stroke of parts that follow each other, under the first one's id.

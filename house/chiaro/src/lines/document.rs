@@ -41,7 +41,8 @@ struct Brushes(Vec<std::sync::Arc<Brush>>);
 impl Brushes {
     /// The place of a stroke's brush among them.
     fn of(&mut self, drawn: &[Drawn<'_>], stroke: &Stroke) -> usize {
-        let same = |d: &&Drawn<'_>| std::ptr::eq(d.stroke, stroke);
+        let key = |s: &Stroke| (s.kind, s.visible, s.owner);
+        let same = |d: &&Drawn<'_>| key(&d.stroke) == key(stroke);
         let Some(drawn) = drawn.iter().find(same) else { return 0 };
         let known = self.0.iter().position(|b| **b == *drawn.brush);
         known.unwrap_or_else(|| {
@@ -103,6 +104,8 @@ fn stroke(text: &mut String, s: &Stroke, brush: usize) {
     text.push_str("],\"pixels_per_u\":");
     float(text, s.pixels_per_u);
     let _ = write!(text, ",\"component\":{}", s.texture());
+    text.push_str(",\"part_of\":");
+    option(text, s.part, |t, (line, _)| _ = write!(t, "{line}"));
     text.push_str(",\"u_period\":");
     option(text, s.u_period, parameter);
     text.push_str(",\"next\":[");
