@@ -102,3 +102,60 @@ fn openness(lit: &Lit, at: &Vertex, footprint: f32, rays: std::ops::Range<u32>) 
     });
     free.count() as f32 / count
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::Run;
+    use chiaro_scene::{Poser, demo};
+    use chiaro_trace::{Lights, Surfaces, Tracer};
+
+    /// In the Cornell box: what is far from edges is left as it is, and where the floor meets a block
+    /// samples deep in the corner are darker than those in front of it.
+    #[test]
+    fn samples_deep_in_a_corner_are_darker_than_centres_in_front_of_it() {
+        let scene = demo::scene("cornell-box").unwrap();
+        let (playback, _) = scene.playback(&Default::default()).unwrap();
+        let frame = Poser::new(&scene).frame(0.0, &playback);
+        let tracer = Tracer::new(&scene, &frame);
+        let (surfaces, lights) = (Surfaces::new(&scene), Lights::default());
+        let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
+        let (w, h) = (64, 64);
+        let run = Run::default();
+        let buffer = GBuffer::trace(&tracer, &surfaces, &frame.cameras[0], (w, h), &run).unwrap();
+        let crevices = Crevices::find(&lit, &buffer);
+        let (mut found, mut halves) = (0, 0);
+        for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+            if !buffer.covered[(x, y)] {
+                continue;
+            }
+            let at = Vertex::of_pixel(&tracer, &buffer, (x, y));
+            let footprint = buffer.pose.pixel_size(buffer.depth[(x, y)], h as f32);
+            if !crevices.concave[(x, y)] {
+                assert_eq!(crevices.ratio(&lit, (x, y), &at, footprint, (0, 1.0)), 1.0);
+                continue;
+            }
+            // To the foot of a wall that is at right angles and not just beside the centre.
+            let inside = |(u, v): &(isize, isize)| buffer.covered.at(*u, *v) == Some(&true);
+            let wall = neighbours(x, y)
+                .filter(inside)
+                .map(|(u, v)| (u as usize, v as usize))
+                .map(|p| (Vec3::from(buffer.position[p]), Vec3::from(buffer.geometric_normal[p])))
+                .find(|(_, normal)| normal.dot(at.side).abs() < 0.1);
+            let Some((place, normal)) = wall else { continue };
+            let away = (at.position - place).dot(normal);
+            let step = normal * (0.02 * footprint - away);
+            let foot = Vertex { position: at.position + step, lifted: at.lifted + step, ..at };
+            let above = tracer.hit(&foot.ray(at.side, footprint), Sides::Both);
+            if away < 0.5 * footprint || above.is_some() {
+                continue;
+            }
+            let [before, deep] = [&at, &foot].map(|at| openness(&lit, at, footprint, 0..64));
+            assert!(deep <= before, "{deep} {before}");
+            found += 1;
+            // A wall hides half; a bevelled one less.
+            halves += usize::from((0.25..0.6).contains(&deep));
+        }
+        assert!(found > 20 && 2 * halves > found, "{halves} of {found}");
+    }
+}
