@@ -1,10 +1,10 @@
 //! Names: ids of strokes after they were cut and linked.
 //!
 //! Lines join where links that are trusted lead from one to the other, heaviest first, or first where two
-//! are each other's best: whichever keeps more of the links within an id. What was one line before it was
-//! hidden comes last. Lines of one frame share an id where they are parts of one line of the surface, and
-//! where their stretches of u lie beside each other, as when a line is parted by what passes before it or
-//! by a saddle. Where two ids run into each other for good one of them ends.
+//! are each other's best: whichever keeps more of the links within an id. Lines of one frame share an id
+//! where they are parts of one line of the surface, and where their stretches of u lie beside each other,
+//! as when a line is parted by what passes before it or by a saddle; last, whatever their u, where they
+//! were one line before it was hidden. Where two ids run into each other for good one of them ends.
 
 use super::cut::Kept;
 use super::net::{Line, Net, strokes};
