@@ -3,7 +3,8 @@
 //! A line runs between two pixels where a depth step, a crease or a change of object is; it is
 //! drawn in the other colour where both sides have the same label, and not at all where the border
 //! of the regions draws it already. Paper counts as a white side: the outline is drawn where the
-//! region is white.
+//! region is white. A region narrower than the line counts as its other side, so that lines do not
+//! thin out or break where a sliver would stand for them.
 
 use crate::geometry::{angle, depth_step};
 use crate::halo::behind;
@@ -61,21 +62,40 @@ impl Lines {
         let gap = scaled(WIDEST_GAP, h);
         let rounds = (2.0 * scaled(1.0, h)).ceil() as usize;
         let label = |p: Pixel| if covered[p] { white[p] } else { paper_is_white };
+        let width = scaled(knobs.line_width, h);
+        let is_side = |p: Pixel, side: bool| {
+            label(p) == side || is_narrow((w, h), p, width, |p| label(p) != side)
+        };
         let lines = |side: bool| {
             let marked = |x: usize, y: usize, axis: usize| {
                 let q = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
                 let feature = features.marks[(x, y)] & (1 << axis) != 0;
                 let feature = feature && !(features.in_halo((x, y)) && features.in_halo(q));
-                feature && label((x, y)) == side && label(q) == side
+                feature && is_side((x, y), side) && is_side(q, side)
             };
             Cracks::mark(w, h, marked).joined(least, gap, shortest, rounds)
         };
         Self {
             black: if knobs.line_black { lines(true) } else { Vec::new() },
             white: if knobs.line_white { lines(false) } else { Vec::new() },
-            width: scaled(knobs.line_width, h),
+            width,
         }
     }
+}
+
+/// Whether what holds at a pixel holds less far than `width` pixels, across or down.
+fn is_narrow((w, h): Pixel, p: Pixel, width: f32, holds: impl Fn(Pixel) -> bool) -> bool {
+    let most = width.ceil() as usize;
+    let run = |at: usize, end: usize, holds: &dyn Fn(usize) -> bool| {
+        let after = (at + 1..end).take(most).take_while(|i| holds(*i)).count();
+        let before = (0..at).rev().take(most).take_while(|i| holds(*i)).count();
+        // What goes on beyond the picture is wide.
+        let leaves = at + after + 1 == end || before == at;
+        if leaves { most } else { 1 + before + after }
+    };
+    let across = run(p.0, w, &|x| holds((x, p.1)));
+    let down = run(p.1, h, &|y| holds((p.0, y)));
+    (across.min(down) as f32) < width
 }
 
 /// Where lines may run, whatever the labels: between which pixels there is a depth step, a crease,
@@ -200,5 +220,39 @@ impl Finder<'_> {
 
     fn bend(&self, p: Pixel, q: Pixel) -> f32 {
         angle(Vec3::from(self.buffer.smooth_normal[p]), Vec3::from(self.buffer.smooth_normal[q]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A white rectangle on paper, black in `rows` of its upper rows between two columns: how long its
+    /// outline is drawn, in pixels.
+    fn outline(rows: usize) -> usize {
+        let (w, h) = (100, 480);
+        let covered = Plane::from_fn(w, h, |x, y| (20..80).contains(&x) && (100..200).contains(&y));
+        let white = Plane::from_fn(w, h, |x, y| !((40..60).contains(&x) && y < 100 + rows));
+        let differs = |x: usize, y: usize, (u, v): Pixel| {
+            u < w && v < h && covered[(x, y)] != covered[(u, v)]
+        };
+        let marks = Plane::from_fn(w, h, |x, y| {
+            u8::from(differs(x, y, (x + 1, y))) | u8::from(differs(x, y, (x, y + 1))) << 1
+        });
+        let features = Features { marks, halo: None };
+        let lines = Lines::between(&features, &white, &covered, true, &BinaryKnobs::default());
+        let length = |line: &Polyline| {
+            let ends = line.points.iter().zip(line.points.iter().cycle().skip(1));
+            let sides = line.points.len() - usize::from(!line.closed);
+            ends.take(sides).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum::<f32>()
+        };
+        lines.black.iter().map(length).sum::<f32>().round() as usize
+    }
+
+    #[test]
+    fn outlines_run_on_where_a_region_is_narrower_than_they() {
+        assert_eq!(outline(0), 320);
+        assert_eq!(outline(1), 320);
+        assert_eq!(outline(8), 300);
     }
 }

@@ -45,6 +45,7 @@ mod beside;
 pub mod check;
 pub mod contour;
 mod cover;
+mod crossing;
 mod curvature;
 mod depth;
 mod extract;
