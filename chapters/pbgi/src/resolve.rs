@@ -11,7 +11,7 @@ use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_image::colour::luminance;
-use chiaro_trace::{Direct, GBuffer, Ray, Sequence, Sides, Vertex, albedo, lamp_irradiance};
+use chiaro_trace::{Direct, GBuffer, Ray, Sequence, Vertex, albedo, lamp_irradiance};
 use std::f32::consts::FRAC_1_PI;
 
 /// A pixel's light towards the eye.
@@ -137,7 +137,7 @@ fn samples(
         let (origin, direction) = buffer.pose.ray(px, py, w as f32, h as f32);
         let start = buffer.pose.near / direction.dot(buffer.pose.forward);
         let ray = Ray { origin: origin + direction * start, direction, t_max: f32::INFINITY };
-        let Some(hit) = lit.tracer.hit(&ray, Sides::AsMaterials) else {
+        let Some(hit) = lit.tracer.seen(&ray) else {
             let sky = beyond(lit, direction);
             (0..3).for_each(|c| sum.beyond[c] += share * sky[c]);
             continue;

@@ -4,7 +4,7 @@
 //! are zero and mean nothing. Ids are indices plus one, so that 0 is the background.
 
 use crate::surface::{Surface, Surfaces};
-use crate::tracer::{Hit, Ray, Sides, Tracer};
+use crate::tracer::{Hit, Ray, Tracer};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
@@ -209,7 +209,7 @@ fn pixel(
     let (origin, direction) = pose.ray(x as f32 + 0.5, y as f32 + 0.5, w, h);
     let start = pose.near / direction.dot(pose.forward);
     let ray = Ray { origin: origin + direction * start, direction, t_max: f32::INFINITY };
-    let hit = tracer.hit(&ray, Sides::AsMaterials)?;
+    let hit = tracer.seen(&ray)?;
     let depth = (start + hit.t) * direction.dot(pose.forward);
     let surface = surfaces.at(tracer, &hit, direction, pose.pixel_size(depth, h));
     Some((hit, surface))

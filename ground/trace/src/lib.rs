@@ -5,6 +5,7 @@
 //! ```
 
 pub mod channel;
+mod coincide;
 mod daylight;
 mod direct;
 mod gbuffer;

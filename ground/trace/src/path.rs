@@ -212,7 +212,7 @@ impl PathTracer<'_> {
     fn seen(&self, pose: &Pose, origin: Vec3, direction: Vec3, height: f32) -> Option<Vertex> {
         let start = pose.near / direction.dot(pose.forward);
         let ray = Ray { origin: origin + direction * start, direction, t_max: f32::INFINITY };
-        let hit = self.tracer.hit(&ray, Sides::AsMaterials)?;
+        let hit = self.tracer.seen(&ray)?;
         let depth = (start + hit.t) * direction.dot(pose.forward);
         let footprint = pose.pixel_size(depth, height);
         Some(Vertex::of(self.tracer, self.surfaces, &hit, direction, footprint))

@@ -52,9 +52,11 @@ pub struct Tracer<'a> {
     pub scene: &'a Scene,
     /// Its state at one time.
     pub frame: &'a Frame,
-    hierarchy: Arc<Hierarchy>,
+    pub(crate) hierarchy: Arc<Hierarchy>,
     surfaces: Vec<SurfaceKind>,
     offset: f32,
+    /// The largest coordinate of the frame, scene units.
+    pub(crate) size: f32,
 }
 
 /// What a ray must know of a material.
@@ -74,7 +76,9 @@ impl<'a> Tracer<'a> {
     pub fn with(scene: &'a Scene, frame: &'a Frame, hierarchy: Arc<Hierarchy>) -> Self {
         let surfaces = scene.materials.iter().map(SurfaceKind::of).collect();
         let offset = (1e-4 * frame.bounds().radius()).max(disc_offset(scene, frame));
-        Self { scene, frame, hierarchy, surfaces, offset }
+        let bounds = frame.bounds();
+        let size = bounds.min.abs().max(bounds.max.abs()).max_element();
+        Self { scene, frame, hierarchy, surfaces, offset, size }
     }
 
     /// The tracer of another frame of the same scene: what has not moved is shared, the rest keeps
@@ -96,11 +100,15 @@ impl<'a> Tracer<'a> {
 
     /// The nearest surface along a ray.
     pub fn hit(&self, ray: &Ray, sides: Sides) -> Option<Hit> {
-        let mut best = None;
+        let mut search = Search::default();
+        self.search(ray, sides, &mut search);
+        search.nearest
+    }
+
+    pub(crate) fn search(&self, ray: &Ray, sides: Sides, search: &mut Search) {
         self.visit(ray, &mut |tracer, placed, local, reach| {
-            tracer.nearest_in(placed, local, reach, sides, &mut best)
+            tracer.nearest_in(placed, local, reach, sides, search)
         });
-        best
     }
 
     /// Whether anything stands in the ray's way, from either side.
@@ -114,7 +122,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Calls `each` for every placed group that the ray may meet; it answers the new reach.
-    fn visit(&self, ray: &Ray, each: &mut dyn FnMut(&Self, &Placed, &Ray, f32) -> f32) {
+    pub(crate) fn visit(&self, ray: &Ray, each: &mut dyn FnMut(&Self, &Placed, &Ray, f32) -> f32) {
         let mut call = |p: &Placed, reach: f32| each(self, p, &p.local(ray), reach);
         match &self.hierarchy.top {
             None => {
@@ -138,7 +146,7 @@ impl<'a> Tracer<'a> {
         local: &Ray,
         reach: f32,
         sides: Sides,
-        best: &mut Option<Hit>,
+        search: &mut Search,
     ) -> f32 {
         let group = &self.hierarchy.groups[placed.group];
         let sheared = Sheared::new(local.origin, local.direction);
@@ -149,15 +157,12 @@ impl<'a> Tracer<'a> {
             let reach = r.tmax.min(local.t_max);
             let Some(c) = sheared.cross(&group.triangles[i], reach) else { return f32::INFINITY };
             let hit = placed.hit(group.faces[i], c);
-            if best.is_some_and(|b| !nearer(&hit, &b))
-                || !self.is_there(&hit, local, &group.triangles[i], sides)
-            {
+            if !self.is_there(&hit, local, &group.triangles[i], sides) {
                 return f32::INFINITY;
             }
-            *best = Some(hit);
-            past(c.t) + BEHIND
+            search.meet(hit) + BEHIND
         });
-        best.map_or(reach, |b| past(b.t))
+        search.reach().min(reach)
     }
 
     fn blocked_in(&self, placed: &Placed, ray: &Ray) -> bool {
@@ -173,7 +178,13 @@ impl<'a> Tracer<'a> {
     }
 
     /// Whether the face is there for this ray: on the right side, and not cut away by opacity.
-    fn is_there(&self, hit: &Hit, local: &Ray, triangle: &[Vec3; 3], sides: Sides) -> bool {
+    pub(crate) fn is_there(
+        &self,
+        hit: &Hit,
+        local: &Ray,
+        triangle: &[Vec3; 3],
+        sides: Sides,
+    ) -> bool {
         if sides == Sides::AsMaterials && !self.surface(hit).double_sided {
             let [a, b, c] = *triangle;
             let outward = (b - a).cross(c - a);
@@ -289,6 +300,36 @@ impl SurfaceKind {
 /// How far behind a ray's start box tests begin, in multiples of its direction.
 const BEHIND: f32 = 2e-4;
 
+/// The nearest crossing so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Search {
+    pub(crate) nearest: Option<Hit>,
+    /// The least distance at which another crossing was met.
+    pub(crate) rival: Option<f32>,
+    /// How far past the nearest crossing the search goes on, scene units.
+    pub(crate) room: f32,
+}
+
+impl Search {
+    /// Takes a crossing in; answers the reach that is left.
+    fn meet(&mut self, hit: Hit) -> f32 {
+        let farther = match &mut self.nearest {
+            None => {
+                self.nearest = Some(hit);
+                return self.reach();
+            }
+            Some(nearest) if nearer(&hit, nearest) => std::mem::replace(nearest, hit),
+            Some(_) => hit,
+        };
+        self.rival = Some(self.rival.map_or(farther.t, |t| t.min(farther.t)));
+        self.reach()
+    }
+
+    fn reach(&self) -> f32 {
+        self.nearest.map_or(f32::INFINITY, |hit| past(hit.t) + self.room)
+    }
+}
+
 /// Nearer, or as near with the lower id.
 fn nearer(a: &Hit, b: &Hit) -> bool {
     (a.t, a.object, a.face) < (b.t, b.object, b.face)
@@ -301,7 +342,7 @@ fn past(t: f32) -> f32 {
 
 /// The ray for box tests. They skip boxes that end less than 1e-4 from the ray's start, however
 /// small the scene is: so it starts farther behind, and its distances are larger by [`BEHIND`].
-fn box_ray(ray: &Ray) -> BoxRay {
+pub(crate) fn box_ray(ray: &Ray) -> BoxRay {
     // The box test takes the sign of an inverse for that of the direction: no zero may be negative.
     let direction = Vec3A::from(ray.direction) + Vec3A::ZERO;
     let origin = Vec3A::from(ray.origin) - direction * BEHIND;

@@ -215,3 +215,42 @@ fn single_sided_faces_are_seen_from_the_front_alone() {
         assert!(tracer.hit(&inside, Sides::Both).is_some());
     }
 }
+
+/// A rectangle of two triangles, tilted, so that its distances round.
+fn tilted(x0: f32, x1: f32) -> Mesh {
+    let at = |x: f32, y: f32| vec3(x, y, 0.3 * x + 0.7 * y);
+    Mesh {
+        positions: vec![at(x0, -1.0), at(x1, -1.0), at(x1, 1.0), at(x0, 1.0)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        materials: vec![MaterialId::new(0); 2],
+        ..Mesh::default()
+    }
+}
+
+#[test]
+fn of_surfaces_that_coincide_the_first_is_seen_everywhere() {
+    let mut scene = scene(tilted(-1.0, 0.4), &[place([0.0; 3], 0.0, [1.0; 3])]);
+    scene.meshes.push(tilted(-0.37, 1.13));
+    scene.nodes.push(Node { mesh: Some(MeshId::new(1)), ..Node::default() });
+    let frame = Poser::new(&scene).frame(0.0, &Playback::still());
+    let tracer = Tracer::new(&scene, &frame);
+    let (mut first, mut nearest) = (0, 0);
+    for k in 0..4000 {
+        let across = 1.5 * random::unit(7, 2 * k) - 0.37;
+        let along = 1.8 * random::unit(7, 2 * k + 1) - 0.9;
+        let aim = vec3(across, along, 0.3 * across + 0.7 * along);
+        let origin = vec3(0.2, 0.1, 4.0);
+        let ray = Ray { origin, direction: (aim - origin).normalize(), t_max: f32::INFINITY };
+        let seen = tracer.seen(&ray).expect("it hits");
+        if (-0.36..0.39).contains(&across) {
+            assert_eq!(seen.object, 0, "at {across} {along}");
+            first += 1;
+            nearest += usize::from(tracer.hit(&ray, Sides::Both).is_some_and(|h| h.object == 0));
+        }
+        let [b, c] = seen.b;
+        let corners = tracer.corners(seen.object, seen.face);
+        let met = corners[0] * (1.0 - b - c) + corners[1] * b + corners[2] * c;
+        assert!(met.distance(aim) < 1e-5, "{met} is not {aim}");
+    }
+    assert!(nearest < first, "rounding alone would have chosen the first too: no test");
+}

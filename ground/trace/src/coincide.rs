@@ -1,0 +1,64 @@
+//! Surfaces that coincide: what an eye sees where several lie in one plane.
+//!
+//! Walls that overlap in their plane, decals without thickness and meshes that a file holds twice
+//! are crossed at distances that differ by rounding alone, so that the nearest of them changes from
+//! pixel to pixel. An eye sees the lowest (object, face) of those that lie within rounding of the
+//! nearest and share its plane. Rays that carry light need no such rule: they start off every one.
+
+use crate::tracer::{Hit, Ray, Search, Sides, Tracer, box_ray};
+use crate::triangle::Sheared;
+use chiaro_basis::math::Vec3;
+use obvhs::ray::RayHit;
+
+/// Planes within this share of the largest coordinate are one: some fifty roundings.
+const WITHIN: f32 = 3e-6;
+/// Cosine between the normals of faces that share a plane, at least.
+const PARALLEL: f32 = 0.9999;
+/// The least cosine at which a plane is seen; rounding along the ray grows with its inverse.
+const GRAZING: f32 = 0.02;
+
+impl Tracer<'_> {
+    /// What an eye sees along a ray: the nearest surface, the lowest (object, face) where several
+    /// coincide.
+    pub fn seen(&self, ray: &Ray) -> Option<Hit> {
+        let size = ray.origin.abs().max_element().max(self.size);
+        let mut search = Search { room: WITHIN * size / GRAZING, ..Search::default() };
+        self.search(ray, Sides::AsMaterials, &mut search);
+        let nearest = search.nearest?;
+        let normal = self.face_normal(&nearest);
+        let slack = WITHIN * size / normal.dot(ray.direction).abs().max(GRAZING);
+        if search.rival.is_none_or(|t| t > nearest.t + slack) {
+            return Some(nearest);
+        }
+        let start = (nearest.t - slack).max(0.0);
+        let window = Ray {
+            origin: ray.origin + ray.direction * start,
+            direction: ray.direction,
+            t_max: nearest.t + slack - start,
+        };
+        Some(Hit { t: nearest.t, ..self.lowest(&window, normal, nearest) })
+    }
+
+    /// The lowest (object, face) in a plane with this normal along a short ray, if lower than `than`.
+    fn lowest(&self, ray: &Ray, normal: Vec3, than: Hit) -> Hit {
+        let mut lowest = than;
+        self.visit(ray, &mut |tracer, placed, local, reach| {
+            let group = &tracer.hierarchy.groups[placed.group];
+            let sheared = Sheared::new(local.origin, local.direction);
+            group.tree.ray_traverse(box_ray(local), &mut RayHit::none(), |_, i| {
+                if let Some(crossing) = sheared.cross(&group.triangles[i], local.t_max) {
+                    let hit = placed.hit(group.faces[i], crossing);
+                    if (hit.object, hit.face) < (lowest.object, lowest.face)
+                        && tracer.face_normal(&hit).dot(normal).abs() > PARALLEL
+                        && tracer.is_there(&hit, local, &group.triangles[i], Sides::AsMaterials)
+                    {
+                        lowest = hit;
+                    }
+                }
+                f32::INFINITY
+            });
+            reach
+        });
+        lowest
+    }
+}
