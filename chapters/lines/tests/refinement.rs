@@ -74,6 +74,30 @@ fn borders_of_a_disc_become_round_and_stay_borders() {
 }
 
 #[test]
+fn a_rim_that_runs_along_a_sliver_folds_nothing_over() {
+    // A flat fan from a far point to the rim of a hole; its outer triangles are tangent to the rim.
+    let far = vec3(30.0, 0.0, 0.02);
+    let rim = |k: i32| {
+        let a = std::f32::consts::TAU * k as f32 / 96.0;
+        vec3(a.cos(), 0.0, a.sin())
+    };
+    let mut p = vec![far];
+    p.extend((-23..=24).map(rim));
+    let t: Vec<[u32; 3]> = (1..48).map(|k| [0, k, k + 1]).collect();
+    let up = |c: [Vec3; 3]| (c[1] - c[0]).cross(c[2] - c[0]).y;
+    let sense = up(t[20].map(|v| p[v as usize])).signum();
+    assert!(t.iter().all(|t| sense * up(t.map(|v| p[v as usize])) > 0.0));
+    for levels in [1, 2] {
+        let (surface, positions) = refined(&scene(p.clone(), t.clone(), false), levels);
+        for f in &surface.faces[..surface.real_faces] {
+            let [a, b, c] = f.map(|v| positions[v as usize]);
+            let up = (b - a).cross(c - a).y;
+            assert!(f64::from(sense) * up > 0.0, "{f:?} is folded over");
+        }
+    }
+}
+
+#[test]
 fn triangles_there_twice_are_one_seen_from_both_sides() {
     let (p, mut t) = sheet(3, 0.0);
     let single = t.len();

@@ -9,6 +9,8 @@
 //!    may turn by much, and would throw its long edges far out of it.
 //! 3. Creases and borders are curves of their own (a cubic through their points), so that the two
 //!    sides of a crease stay together; where they bend, end or meet they are straight up to a corner.
+//!    They too keep to a share of the height of the faces beside: where a rim runs along a sliver of a
+//!    flat face, as in files of machine parts, it would cross the sliver and fold it over.
 //!
 //! Everything but the points' places is decided once; a pose costs a few sums a point.
 
@@ -24,6 +26,8 @@ const CORNER: f64 = 0.64;
 const BEND: f64 = 0.125;
 /// How far the middle of a smooth edge may move, in parts of the least height of the faces beside it.
 const LIFT: f64 = 0.2;
+/// The same for creases and borders: their middle crosses a face from half its height on.
+const SHARP_LIFT: f64 = 0.4;
 
 /// A shape's triangles with their neighbours; half-edge 3 f + c runs from corner c of face f to
 /// the next.
@@ -81,8 +85,8 @@ struct Middle {
 enum Curve {
     /// Bent by the normals at its ends, by so many parts of its length at most.
     Smooth([u32; 2], f32),
-    /// Bent by the points before and after; [`NONE`] at corners.
-    Sharp([u32; 2]),
+    /// Bent by the points before and after ([`NONE`] at corners), by so many parts of its length at most.
+    Sharp([u32; 2], f32),
 }
 
 impl Refinement {
@@ -123,11 +127,13 @@ impl Level {
         let mut this =
             Self { triangles: net.triangles.clone(), sectors, normals, middles: Vec::new() };
         let mut middle = vec![NONE; net.mate.len()];
+        let lifts = lifts_of_sharp(net, points);
         let mut shared: HashMap<[u32; 2], u32> = HashMap::new();
         for half in 0..net.mate.len() as u32 {
             if middle[half as usize] == NONE {
                 let number = (points.len() + this.middles.len()) as u32;
-                let lift = lift(net, half, points);
+                let known = lifts.get(&key(net, half)).copied();
+                let lift = known.unwrap_or_else(|| LIFT * height(net, half, points));
                 let at = this.middle(net, (half, lift), &beyond, (&mut shared, number));
                 middle[half as usize] = at;
                 let mate = net.mate[half as usize];
@@ -156,9 +162,8 @@ impl Level {
             self.middles.push(Middle { ends: [a, b], curve });
             return number;
         }
-        let key = [a.min(b), a.max(b)];
-        *shared.entry(key).or_insert_with(|| {
-            let curve = Curve::Sharp([beyond(a, b), beyond(b, a)]);
+        *shared.entry(key(net, half)).or_insert_with(|| {
+            let curve = Curve::Sharp([beyond(a, b), beyond(b, a)], lift as f32);
             self.middles.push(Middle { ends: [a, b], curve });
             number
         })
@@ -181,7 +186,7 @@ impl Level {
                     let bent = n * d.dot(n) - m * d.dot(m);
                     bent.clamp_length_max(f64::from(lift) * d.length() / BEND)
                 }
-                Curve::Sharp([before, after]) => {
+                Curve::Sharp([before, after], lift) => {
                     let tangent = |from: u32, to: u32, or: DVec3| match (from, to) {
                         (NONE, _) | (_, NONE) => or,
                         (from, to) => {
@@ -190,7 +195,9 @@ impl Level {
                         }
                     };
                     let d = b - a;
-                    tangent(before, middle.ends[1], d) - tangent(middle.ends[0], after, d)
+                    let bent =
+                        tangent(before, middle.ends[1], d) - tangent(middle.ends[0], after, d);
+                    bent.clamp_length_max(f64::from(lift) * d.length() / BEND)
                 }
             };
             points.push(0.5 * (a + b) + BEND * bent);
@@ -198,9 +205,9 @@ impl Level {
     }
 }
 
-/// How far the middle of an edge may move, in parts of its length: faces' heights over it are twice their area
-/// by their longest side.
-fn lift(net: &Net, half: u32, points: &[DVec3]) -> f64 {
+/// The least height of the faces beside an edge, in parts of its length: twice their area by their
+/// longest side.
+fn height(net: &Net, half: u32, points: &[DVec3]) -> f64 {
     let [a, b] = ends(net, half).map(|v| points[v as usize]);
     let height = |h: u32| {
         let [p, q, r] = net.triangles[h as usize / 3].map(|v| points[v as usize]);
@@ -208,7 +215,25 @@ fn lift(net: &Net, half: u32, points: &[DVec3]) -> f64 {
         (q - p).cross(r - p).length() / longest.max(1e-300)
     };
     let sides = [half, net.mate[half as usize]].into_iter().filter(|h| *h != NONE);
-    LIFT * sides.map(height).fold(f64::INFINITY, f64::min) / a.distance(b).max(1e-300)
+    sides.map(height).fold(f64::INFINITY, f64::min) / a.distance(b).max(1e-300)
+}
+
+/// The least lift of the faces beside each crease and border, whose edges share their middles.
+fn lifts_of_sharp(net: &Net, points: &[DVec3]) -> HashMap<[u32; 2], f64> {
+    let mut least = HashMap::new();
+    for half in 0..net.mate.len() as u32 {
+        if net.mate[half as usize] == NONE || net.hard[half as usize] {
+            let lift = SHARP_LIFT * height(net, half, points);
+            least.entry(key(net, half)).and_modify(|l: &mut f64| *l = l.min(lift)).or_insert(lift);
+        }
+    }
+    least
+}
+
+/// The points that a half-edge joins, whichever way it runs.
+fn key(net: &Net, half: u32) -> [u32; 2] {
+    let [a, b] = ends(net, half);
+    [a.min(b), a.max(b)]
 }
 
 fn ends(net: &Net, half: u32) -> [u32; 2] {
