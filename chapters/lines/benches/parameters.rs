@@ -2,8 +2,8 @@
 //!
 //! `cargo bench -p chiaro-lines --bench parameters` runs all methods on all scenes; names choose scenes
 //! (bumpy-torus, peanut, head, and so on), `--degrees 6` how fast scenes that stand still are turned, `--frames N`
-//! the length, `--set key=value` any knob, `--coherence` a row for each of its values, `--live` the
-//! frames a second of the interactive variant (row L8) instead.
+//! the length, `--set key=value` any knob, `--global` leaves the other methods out, `--coherence` a row
+//! for each of its values, `--live` the frames a second of the interactive variant (row L8) instead.
 //!
 //! The thesis's timing, 20 000 vertices over 100 frames in 5 s, is `bumpy-torus --frames 100`: 0.41 s on
 //! two cores, links and cuts included.
@@ -164,7 +164,8 @@ fn methods(found: &Film, knobs: &LinesKnobs) {
         "MB"
     );
     let methods = [Method::Global, Method::Propagate, Method::Diffuse, Method::Arclength];
-    for method in methods {
+    let only = std::env::args().any(|word| word == "--global");
+    for method in methods.into_iter().take(if only { 1 } else { 4 }) {
         let mut film = found.clone();
         let before = LIVE.load(Relaxed);
         MOST.store(before, Relaxed);
