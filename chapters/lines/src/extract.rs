@@ -174,9 +174,7 @@ fn owner(paths: &[Path], line: &Line, surface: &Surface) -> Option<Owner> {
     for (path, run) in &line.parts {
         let segments = &paths[*path].segments;
         for k in run.start.floor() as usize..run.end.ceil() as usize {
-            let own = segments[k % segments.len()].own;
-            if let Some(source) = own.iter().find_map(|f| surface.sources.get(*f as usize)) {
-                let owner = Owner { object: source.object, material: source.material };
+            if let Some(owner) = surface.owner(segments[k % segments.len()].own) {
                 *votes.entry(owner).or_default() += 1;
             }
         }

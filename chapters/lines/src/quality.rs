@@ -122,7 +122,7 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
             let k = hit.segment.first as usize;
             let u = other.u[k] + (other.u[k + 1] - other.u[k]) * hit.share;
             let mut du = u - stroke.u[j];
-            let periods = [stroke.u_period, other.u_period].into_iter().flatten();
+            let periods = [stroke, other].into_iter().filter_map(Stroke::begins_anew);
             for period in periods.filter(|p| *p > LEAST_PERIOD) {
                 du -= (du / period).round() * period;
             }

@@ -5,6 +5,7 @@
 
 use crate::join::Line;
 use crate::path::{Kind, Path, Place};
+use crate::surface::NONE;
 use crate::view::View;
 use crate::visibility::Run;
 use chiaro_basis::math::{DVec2, DVec3};
@@ -36,6 +37,8 @@ pub struct Sample {
     pub on_chain: f64,
     /// Unit normal of the surface, or zero.
     pub normal: DVec3,
+    /// Faces of the surface on which it lies, as its path has them.
+    pub faces: [u32; 2],
 }
 
 /// What a line belongs to.
@@ -100,6 +103,7 @@ impl Sample {
             chain: self.chain,
             on_chain: self.on_chain + (ahead - self.on_chain) * t,
             normal: self.normal.lerp(other.normal, t).normalize_or_zero(),
+            faces: self.faces,
         }
     }
 }
@@ -108,6 +112,12 @@ impl Stroke {
     /// What its noise and marks go by: lines that have the same show one texture.
     pub fn texture(&self) -> u32 {
         self.component.unwrap_or(self.id)
+    }
+
+    /// After how much of u its texture begins anew: once round where it is closed, and where it is a part
+    /// of lines that close, as often as those do.
+    pub fn begins_anew(&self) -> Option<f64> {
+        self.u_period.or(self.repeats)
     }
 
     /// A run of a path. `next_view` is the camera one frame later.
@@ -218,6 +228,7 @@ impl Wrapped for f64 {
 
 fn sample(path: &Path, place: Place, view: &View, next_view: Option<&View>) -> Option<Sample> {
     let point = path.point(place);
+    let segment = (place.max(0.0) as usize).min(path.segments.len().saturating_sub(1));
     let seen = view.see(point.world)?;
     let next_at = point
         .next
@@ -233,6 +244,7 @@ fn sample(path: &Path, place: Place, view: &View, next_view: Option<&View>) -> O
         chain: path.chain,
         on_chain: point.on_chain,
         normal: (point.pushed - point.world).normalize_or_zero(),
+        faces: path.segments.get(segment).map_or([NONE; 2], |s| s.own),
     })
 }
 

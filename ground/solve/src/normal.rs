@@ -132,28 +132,52 @@ fn pairs<'a>(
     })
 }
 
+/// Where the columns of a lower triangle start and what rows they hold, the diagonal and some pairs
+/// of (column, row), each once.
+fn triangle<I: Iterator<Item = (usize, usize)>>(
+    n: usize,
+    pairs: impl Fn() -> I,
+) -> (Vec<usize>, Vec<usize>) {
+    // Room for all of a column's pairs first.
+    let mut ends = vec![1; n];
+    pairs().for_each(|(column, _)| ends[column] += 1);
+    let mut total = 0;
+    for end in &mut ends {
+        total += std::mem::replace(end, total);
+    }
+    let first = ends.clone();
+    let mut room = vec![0; total];
+    for (column, row) in (0..n).map(|i| (i, i)).chain(pairs()) {
+        room[ends[column]] = row;
+        ends[column] += 1;
+    }
+    let (mut starts, mut below) = (vec![0], Vec::with_capacity(total / 2));
+    for (from, to) in first.into_iter().zip(ends) {
+        room[from..to].sort_unstable();
+        let start = below.len();
+        for &row in &room[from..to] {
+            if below.len() == start || below[below.len() - 1] != row {
+                below.push(row);
+            }
+        }
+        starts.push(below.len());
+    }
+    (starts, below)
+}
+
 impl Part {
     fn new(rows: &Rows, unknowns: Vec<u32>, own: Vec<u32>, local: &[u32]) -> Self {
         let n = unknowns.len();
-        let mut columns: Vec<Vec<usize>> = (0..n).map(|i| vec![i]).collect();
         let all = || own.iter().flat_map(|r| pairs(rows.row(*r as usize), local));
-        all().for_each(|(column, row, _)| columns[column].push(row));
-        for column in &mut columns {
-            column.sort_unstable();
-            column.dedup();
-        }
-        let mut starts = vec![0];
-        for column in &columns {
-            starts.push(starts[starts.len() - 1] + column.len());
-        }
+        let (starts, below) = triangle(n, || all().map(|(column, row, _)| (column, row)));
         let place = |(column, row, _): (usize, usize, f64)| {
-            let k = columns[column].binary_search(&row).expect("the pattern holds every pair");
-            (starts[column] + k) as u32
+            let column = starts[column]..starts[column + 1];
+            let k = below[column.clone()].binary_search(&row);
+            (column.start + k.expect("the pattern holds every pair")) as u32
         };
         let places = all().map(place).collect();
         let entries = own.iter().flat_map(|r| rows.row(*r as usize));
         let numbers = entries.map(|(i, _)| local[*i as usize]).collect();
-        let below: Vec<usize> = columns.concat();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &below);
         let params = CholeskySymbolicParams::default();
         let symbolic =

@@ -43,6 +43,8 @@ use std::collections::BTreeMap;
 
 /// How often strokes are cut where links contradict each other, or where lines of two ids meet.
 const ROUNDS: usize = 4;
+/// Cuts are not worth another round where they are fewer than one a so many pixels of line.
+const RARE: f64 = 1e5;
 /// A loop whose longest slice is longer than its shortest by more than this closes with a seam.
 const LOOP_GROWTH: f64 = 1.3;
 
@@ -137,39 +139,53 @@ impl Parameters {
     pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         seam::carry(film);
         let sigma = f64::from(knobs.sliding_limit);
-        let linked =
-            |film: &Film, anneal: &[f64]| Self::linked(film, spacing, knobs, (anneal, run));
-        let mut made = linked(film, &cut::ANNEAL)?;
+        let linked = |film: &Film, anneal: &[f64], before: Option<(&Self, &[part::Origin])>| {
+            Self::linked(film, spacing, knobs, (anneal, run), before)
+        };
+        let mut made = linked(film, &cut::ANNEAL, None)?;
         if matches!(knobs.cuts, Cuts::Both | Cuts::Events | Cuts::Unpaired) {
             let paired = knobs.cuts != Cuts::Unpaired;
             let (places, saved) = chart::events(&made.net, paired, sigma, None);
             split::split(film, &made.net, &places);
-            made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
+            made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN, None)? };
         }
         let to_charts = matches!(knobs.cuts, Cuts::Charts | Cuts::Both);
         for _ in 0..if to_charts { ROUNDS } else { 0 } {
             let residual = |i: u32| made.kept.residual[i as usize];
             let places = chart::contradictions(&made.net, &residual, sigma);
-            if split::split(film, &made.net, &places).0 == 0 {
+            let length: f64 = made.net.lines.iter().map(net::Line::total).sum();
+            if (places.len() as f64) * RARE < length {
                 break;
             }
-            made = Self { saved: made.saved, ..linked(film, &cut::AGAIN)? };
+            let (cuts, origins) = split::split(film, &made.net, &places);
+            if cuts == 0 {
+                break;
+            }
+            let next = linked(film, &cut::WARM, Some((&made, &origins)))?;
+            made = Self { saved: made.saved, ..next };
         }
-        let Self { net, kept, scale, period, .. } = &made;
-        let whole = Whole { net, kept, scale, period };
         let swept = knobs.links == Links::Swept;
-        made.parts = Parts::of(film, &whole, to_charts.then_some(sigma), swept);
+        made.parts = Parts::of(film, &made.whole(), to_charts.then_some(sigma), swept);
         let period: Vec<Option<f64>> =
             made.parts.origins.iter().map(|o| made.period[o.line as usize]).collect();
         made.textures = textures(&made.parts.components, &period);
         Ok(made)
     }
 
+    /// The lines as they were solved.
+    fn whole(&self) -> Whole<'_> {
+        let Self { net, kept, scale, period, .. } = self;
+        Whole { net, kept, scale, period }
+    }
+
+    /// Finds links and judges them; `before`: the same before lines were cut, and what the lines now are
+    /// of those.
     fn linked(
         film: &Film,
         spacing: &[f64],
         knobs: &LinesKnobs,
         (anneal, run): (&[f64], &Run),
+        before: Option<(&Self, &[part::Origin])>,
     ) -> Result<Self> {
         let mut net = Net::of(film, knobs.links == Links::Swept);
         let stretched = knobs.texture == Texture::Stretched;
@@ -184,7 +200,8 @@ impl Parameters {
             _ => {
                 let sigma = f64::from(knobs.sliding_limit);
                 let robust = cut::Robust { weights: Weights::of(knobs), anneal, sigma, run };
-                robust.agreeing(&net, &energy, &scale, &period)?
+                let start = before.map(|(b, origins)| b.whole().values(&net, origins));
+                robust.agreeing(&net, &energy, &scale, &period, start)?
             }
         };
         let parts = Parts { origins: Vec::new(), components: Vec::new() };

@@ -11,9 +11,12 @@ use super::net::{Line, Net, strokes};
 use crate::film::Film;
 use std::collections::BTreeMap;
 
-/// Stretches of u may overlap by this share of the shorter, and by these pixels at least.
+/// Stretches of u may overlap by this share of the shorter, and by these pixels at least: a sliver that
+/// comes off a line for some frames is still that line.
 const OVERLAP: f64 = 0.1;
-const LEAST: f64 = 8.0;
+const LEAST: f64 = 20.0;
+/// Lines are one where links lead from one to the other along this share of the shorter.
+const LED: f64 = 0.15;
 /// Links that were cut count against a line's going on where they are this share of all.
 const CUT: f64 = 0.5;
 
@@ -118,7 +121,10 @@ fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
     let is_best = |lines: &[u32; 2], side: usize| best[side][&lines[side]].1 == lines[1 - side];
     let mut bundles: Vec<Bundle> = weights
         .iter()
-        .filter(|(_, [weight, _])| *weight > 0.0)
+        .filter(|(lines, [weight, _])| {
+            let [a, b] = lines.map(|l| net.lines[l as usize].total());
+            *weight > LED * a.min(b)
+        })
         .map(|(lines, [weight, _])| Bundle {
             lines: *lines,
             weight: *weight,

@@ -20,6 +20,7 @@ pub use build::CreaseRule;
 pub use refine::Refinement;
 pub use ring::Ring;
 
+use crate::stroke::Owner;
 use chiaro_scene::{Frame, MaterialId, Scene};
 
 /// No half-edge, no face.
@@ -97,6 +98,12 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// What a line on some faces belongs to.
+    pub fn owner(&self, faces: [u32; 2]) -> Option<Owner> {
+        let source = faces.iter().find_map(|f| self.sources.get(*f as usize))?;
+        Some(Owner { object: source.object, material: source.material })
+    }
+
     /// Whether a face that shows its front or its back to the camera hides what is behind it.
     pub(crate) fn hides(&self, face: usize, front: bool) -> bool {
         let source = &self.sources[face];

@@ -3,13 +3,14 @@
 //! Pixels to a thousandth, y down; world coordinates as they round to seven digits. The first sample
 //! of a closed stroke is not repeated.
 
-use super::ready::{Drawn, ready};
-use super::style::brush_settings;
+use super::ready::{Names, subject};
+use super::style::{LineStyle, brush_settings};
 use super::{Look, Shot};
 use chiaro_basis::math::{DVec2, DVec3};
 use chiaro_ink::brush::Brush;
-use chiaro_lines::{FilmEvent, FilmFrame, Stroke};
+use chiaro_lines::{FilmEvent, FilmFrame, Kind, Owner, Stroke};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// The frames `wanted` of a shot, with the events between them.
@@ -19,8 +20,7 @@ pub(super) fn document(shot: &Shot, wanted: &[u32], look: &Look<'_>) -> String {
     let frames = shot.numbers.iter().zip(&shot.film.frames);
     let chosen = frames.filter(|(n, _)| wanted.contains(n));
     join(&mut text, chosen, |text, (number, f)| {
-        let drawn = ready(shot, f, &look.lines, &look.colours);
-        frame(text, *number, f, |s| brushes.of(&drawn, s));
+        frame(text, *number, f, |s| brushes.of(&look.lines, &shot.names, s));
     });
     text += "\n],\"events\":[";
     let events = shot.film.events.iter().map(|e| (number_of(&shot.numbers, e.time), e));
@@ -36,23 +36,27 @@ pub(super) fn document(shot: &Shot, wanted: &[u32], look: &Look<'_>) -> String {
 
 /// The brushes that occur, in the order in which they do.
 #[derive(Default)]
-struct Brushes(Vec<std::sync::Arc<Brush>>);
+struct Brushes {
+    list: Vec<Brush>,
+    known: BTreeMap<(Kind, bool, Option<Owner>), usize>,
+}
 
 impl Brushes {
     /// The place of a stroke's brush among them.
-    fn of(&mut self, drawn: &[Drawn<'_>], stroke: &Stroke) -> usize {
-        let key = |s: &Stroke| (s.kind, s.visible, s.owner);
-        let same = |d: &&Drawn<'_>| key(&d.stroke) == key(stroke);
-        let Some(drawn) = drawn.iter().find(same) else { return 0 };
-        let known = self.0.iter().position(|b| **b == *drawn.brush);
-        known.unwrap_or_else(|| {
-            self.0.push(drawn.brush.clone());
-            self.0.len() - 1
+    fn of(&mut self, style: &LineStyle, names: &Names, stroke: &Stroke) -> usize {
+        let list = &mut self.list;
+        *self.known.entry((stroke.kind, stroke.visible, stroke.owner)).or_insert_with(|| {
+            let brush = style.brush_for(&subject(stroke, stroke.owner, names));
+            let same = list.iter().position(|b| *b == brush);
+            same.unwrap_or_else(|| {
+                list.push(brush);
+                list.len() - 1
+            })
         })
     }
 
     fn json(&self) -> Value {
-        self.0.iter().map(|b| brush_settings(b)).collect()
+        self.list.iter().map(brush_settings).collect()
     }
 }
 
@@ -107,7 +111,7 @@ fn stroke(text: &mut String, s: &Stroke, brush: usize) {
     text.push_str(",\"part_of\":");
     option(text, s.part, |t, (line, _)| _ = write!(t, "{line}"));
     text.push_str(",\"u_period\":");
-    option(text, s.u_period, parameter);
+    option(text, s.begins_anew(), parameter);
     text.push_str(",\"next\":[");
     join(text, s.samples.iter(), |t, p| option(t, p.next_at, point));
     text.push_str("],\"world\":[");

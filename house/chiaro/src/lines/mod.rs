@@ -6,6 +6,7 @@
 
 pub(crate) mod beneath;
 mod document;
+mod owners;
 pub(crate) mod picture;
 pub(crate) mod ready;
 pub(crate) mod style;

@@ -1,10 +1,11 @@
 //! A frame's strokes, each with its brush and its colour, in the order in which they are drawn.
 
 use super::Shot;
+use super::owners;
 use super::picture::id_colour;
 use super::style::{LineStyle, Subject};
 use crate::colours::Colours;
-use chiaro_ink::brush::{Axis, Brush, Knot, Mark, Spine, Stroke as Inked};
+use chiaro_ink::brush::{Axis, Brush, Grain, Knot, Mark, Spine, Stroke as Inked};
 use chiaro_lines::parameter::whole;
 use chiaro_lines::{FilmFrame, Kind, LinesKnobs, Owner, Stroke, Texture, View};
 use chiaro_scene::Projection;
@@ -59,20 +60,33 @@ pub(crate) fn ready<'a>(
     colours: &Colours,
 ) -> Vec<Drawn<'a>> {
     let mut brushes: BTreeMap<(Kind, bool, Option<Owner>), Arc<Brush>> = BTreeMap::new();
+    let mut brush_of = |stroke: &Stroke, owner: Option<Owner>| {
+        let new = || Arc::new(style.brush_for(&subject(stroke, owner, &shot.names)));
+        Arc::clone(brushes.entry((stroke.kind, stroke.visible, owner)).or_insert_with(new))
+    };
+    let surface = shot.film.surface.as_ref().map(|g| &g.surface);
     let mut drawn: Vec<Drawn<'a>> = Vec::new();
-    for stroke in whole(&frame.hidden).into_iter().chain(whole(&frame.strokes)) {
-        let key = (stroke.kind, stroke.visible, stroke.owner);
-        let brush = brushes
-            .entry(key)
-            .or_insert_with(|| Arc::new(style.brush_for(&subject(&stroke, &shot.names))));
-        let colour = colour(brush, &stroke, &shot.names, colours);
-        for (scale, ink) in scales(&stroke, brush, &style.knobs) {
+    let lines = whole(&frame.hidden).into_iter().chain(whole(&frame.strokes));
+    let pieces: Vec<Cow<'a, Stroke>> = lines
+        .flat_map(|stroke| match surface.filter(|_| style.minds_owners()) {
+            Some(surface) => owners::pieces(stroke, surface, |s, owner| {
+                let brush = brush_of(s, owner);
+                let own = (brush.colour == "object").then(|| owner.map(|o| o.material)).flatten();
+                (brush, own)
+            }),
+            None => vec![stroke],
+        })
+        .collect();
+    for stroke in pieces {
+        let brush = brush_of(&stroke, stroke.owner);
+        let colour = colour(&brush, &stroke, &shot.names, colours);
+        for (scale, ink) in scales(&stroke, &brush, &style.knobs) {
             let spine = spine(&stroke, &frame.view, scale);
             let [r, g, b, a] = colour;
             drawn.push(Drawn {
                 stroke: stroke.clone(),
                 spine,
-                brush: Arc::clone(brush),
+                brush: Arc::clone(&brush),
                 colour: [r, g, b, a * ink],
             });
         }
@@ -85,15 +99,15 @@ pub(crate) fn ready<'a>(
     drawn
 }
 
-fn subject<'a>(stroke: &Stroke, names: &'a Names) -> Subject<'a> {
+pub(super) fn subject<'a>(stroke: &Stroke, owner: Option<Owner>, names: &'a Names) -> Subject<'a> {
     let name = |list: &'a [String], index: Option<usize>| {
         index.and_then(|i| list.get(i)).map_or("", String::as_str)
     };
     Subject {
         kind: stroke.kind,
         visible: stroke.visible,
-        object: name(&names.objects, stroke.owner.map(|o| o.object as usize)),
-        material: name(&names.materials, stroke.owner.map(|o| o.material.index())),
+        object: name(&names.objects, owner.map(|o| o.object as usize)),
+        material: name(&names.materials, owner.map(|o| o.material.index())),
     }
 }
 
@@ -115,10 +129,15 @@ fn colour(brush: &Brush, stroke: &Stroke, names: &Names, colours: &Colours) -> [
 
 /// Pixels for a unit of u, by which marks are spaced, and how much of the ink they have. Where
 /// patterns grow with the zoom, they are redrawn at twice or half their size before they are half as
-/// large again; around that, single marks fade from one size into the other.
+/// large again; around that, single marks fade from one size into the other. Solid lines have no marks
+/// to redraw: what their noise does grows on, so that nothing ever changes at once.
 fn scales(stroke: &Stroke, brush: &Brush, knobs: &LinesKnobs) -> Vec<(f64, f32)> {
     let pattern = f64::from(knobs.pattern_length);
     if !knobs.octaves || knobs.texture != Texture::Periodic {
+        return vec![(stroke.pixels_per_u, 1.0)];
+    }
+    let solid = brush.grain == Grain::Solid && brush.picture.is_empty();
+    if solid && matches!(brush.mark, Mark::Line | Mark::Double) {
         return vec![(stroke.pixels_per_u, 1.0)];
     }
     let grown = (stroke.pixels_per_u / pattern).max(1e-9).log2();
@@ -196,6 +215,6 @@ mod tests {
             assert!(both.iter().all(|b| (b.1 - 0.5).abs() < 1e-3), "{both:?}");
         }
         let line = Brush { mark: Mark::Line, ..brush.clone() };
-        assert_eq!(scales(&stroke(root), &line, &knobs).len(), 1);
+        assert_eq!(scales(&stroke(root), &line, &knobs), [(20.0 * root, 1.0)]);
     }
 }

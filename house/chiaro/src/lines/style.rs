@@ -180,6 +180,13 @@ impl LineStyle {
         Err(Error::setting(key, value, format!("a known knob{hint}")))
     }
 
+    /// Whether lines of different objects or materials may look different.
+    pub(crate) fn minds_owners(&self) -> bool {
+        let named = |r: &Rule| r.object.is_some() || r.material.is_some();
+        let coloured = |r: &Rule| r.sets.iter().any(|(k, v)| k == "colour" && v == "object");
+        self.brush.colour == "object" || self.rules.iter().any(|r| named(r) || coloured(r))
+    }
+
     /// The brush for a line.
     pub(crate) fn brush_for(&self, subject: &Subject<'_>) -> Brush {
         let mut brush = self.brush.clone();

@@ -3,13 +3,14 @@
 //! Strokes are filled outlines of their width, as smooth curves; with a pen, or where the brush's
 //! `outline` is off, they are paths of constant width through their middles. A path's name is the
 //! stroke's type and id; parts of one line in one frame get a second number. Its data attributes
-//! hold type, id, u at both ends, the period of closed strokes, and the brush's mark.
+//! hold type, id, u at both ends, the period of closed strokes, and the brush's mark; where lines of
+//! several ids became one, `data-parts` has each part's id and the u at which it begins.
 //!
 //! What a pen draws is ordered and reversed, layer by layer, for little travel; nothing is joined, since
 //! each stroke has its id.
 //!
 //! Grain and pictures of strokes have no outline: such strokes are even here. Rims are shapes of
-//! paper beneath the strokes; haloes, by which near lines part far ones, are in pixels alone.
+//! paper beneath the strokes; where haloes of near lines part far ones, those end.
 //! Pictures beneath are embedded, unless a pen draws.
 
 use super::beneath::Beneath;
@@ -19,11 +20,11 @@ use super::{Job, Shot};
 use chiaro_basis::Result;
 use chiaro_image::codec;
 use chiaro_image::colour::to_byte;
-use chiaro_ink::brush::{Rib, Ribbon, ribbons, rim};
+use chiaro_ink::brush::{Halos, Rib, Ribbon, ribbons, rim};
 use chiaro_ink::{
     Drawing, Fit, Layer, Mark, Path, Picture, Placement, Point, Segment, Travel, fit, route,
 };
-use chiaro_lines::Kind;
+use chiaro_lines::{FilmFrame, Kind};
 use std::collections::BTreeMap;
 
 /// How far curves may stray from the stroke's border, in millimetres.
@@ -54,7 +55,9 @@ pub(super) fn svg(
         },
     };
     let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
-    let mut pen = Pen { job, placement: &placement, parts: BTreeMap::new() };
+    let halos = Halos::of(drawn.iter().map(|d| d.inked(&job.look.lines)));
+    let frame = frame(shot, number);
+    let mut pen = Pen { job, placement: &placement, halos, frame, parts: BTreeMap::new() };
     let mut travel = Travel::default();
     let rims: Vec<Mark> = drawn.iter().enumerate().filter_map(|(i, d)| pen.rim(i, d)).collect();
     if !rims.is_empty() {
@@ -90,12 +93,14 @@ fn embedded(beneath: &Beneath, job: &Job<'_>, place: &Placement) -> Result<Optio
 struct Pen<'a> {
     job: &'a Job<'a>,
     placement: &'a Placement,
+    halos: Halos,
+    frame: &'a FilmFrame,
     parts: BTreeMap<(Kind, bool, u32), u32>,
 }
 
 impl Pen<'_> {
     fn mark(&mut self, drawn: &Drawn<'_>) -> Option<Mark> {
-        let marks = ribbons(&drawn.brush, &drawn.spine);
+        let marks = self.halos.part(ribbons(&drawn.brush, &drawn.spine));
         let pen = self.job.look.print.pen;
         let mut colour = drawn.colour;
         colour[3] *= drawn.brush.opacity;
@@ -110,7 +115,7 @@ impl Pen<'_> {
         if outline.is_empty() {
             return None;
         }
-        let (name, data) = (self.name(drawn), data(drawn));
+        let (name, data) = (self.name(drawn), data(drawn, self.frame));
         Some(match filled {
             true => Mark::Shape { name, outline, colour, data },
             false => {
@@ -181,7 +186,7 @@ fn place(rib: &Rib) -> Point {
 }
 
 /// What other programs may want to know of a stroke.
-fn data(drawn: &Drawn<'_>) -> Vec<(&'static str, String)> {
+fn data(drawn: &Drawn<'_>, frame: &FilmFrame) -> Vec<(&'static str, String)> {
     let stroke = &*drawn.stroke;
     let number = |x: f64| format!("{}", (x * 1e4).round() / 1e4 + 0.0);
     let mut data = vec![("type", stroke.kind.name().to_owned()), ("id", stroke.id.to_string())];
@@ -189,7 +194,14 @@ fn data(drawn: &Drawn<'_>) -> Vec<(&'static str, String)> {
         data.push(("u0", number(*first)));
         data.push(("u1", number(*last)));
     }
-    if let Some(period) = stroke.u_period {
+    let all = if stroke.visible { &frame.strokes } else { &frame.hidden };
+    let parts = all.iter().filter(|s| s.part.is_some() && s.part == stroke.part);
+    let begins = |s: &chiaro_lines::Stroke| s.u.first().copied().unwrap_or(0.0);
+    let parts: Vec<String> = parts.map(|s| format!("{}@{}", s.id, number(begins(s)))).collect();
+    if parts.len() > 1 {
+        data.push(("parts", parts.join(" ")));
+    }
+    if let Some(period) = stroke.begins_anew() {
         data.push(("u-period", number(period)));
     }
     data.push(("pixels-per-u", number(stroke.pixels_per_u)));
