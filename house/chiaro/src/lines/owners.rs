@@ -131,9 +131,84 @@ fn piece(stroke: &Stroke, (from, to): (usize, usize), owner: Option<Owner>) -> S
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chiaro_basis::math::{DVec2, DVec3};
+    use chiaro_lines::{Kind, Sample, Source};
+    use chiaro_scene::MaterialId;
 
     fn run(look: u32, from: usize, length: f64) -> Run<u32> {
         Run { look, owner: None, from, length }
+    }
+
+    /// A ring of 40 samples 3 pixels apart, one object's from `from` on, another's before.
+    fn ring(from: usize) -> Stroke {
+        let sample = |k: usize| Sample {
+            at: 19.1 * DVec2::from_angle(std::f64::consts::TAU * k as f64 / 40.0),
+            depth: 1.0,
+            world: DVec3::ZERO,
+            next_world: None,
+            next_at: None,
+            chain: 0,
+            on_chain: k as f64,
+            normal: DVec3::Z,
+            faces: [u32::from(k >= from), u32::MAX],
+        };
+        let mut ring = Stroke {
+            id: 3,
+            kind: Kind::Silhouette,
+            chain: 0,
+            owner: Some(owner(0)),
+            closed: true,
+            visible: true,
+            samples: (0..40).map(sample).collect(),
+            length: Vec::new(),
+            u: Vec::new(),
+            u_period: None,
+            pixels_per_u: 1.0,
+            component: None,
+            repeats: None,
+            part: None,
+        };
+        ring.measure();
+        ring
+    }
+
+    fn owner(object: u32) -> Owner {
+        Owner { object, material: MaterialId::new(0) }
+    }
+
+    fn surface() -> Surface {
+        let source = |object| Source {
+            object,
+            face: 0,
+            part: 0,
+            turned: false,
+            mirrored: false,
+            material: MaterialId::new(0),
+            two_sided: false,
+            opaque: true,
+        };
+        Surface { sources: vec![source(0), source(1)], ..Surface::default() }
+    }
+
+    #[test]
+    fn a_ring_of_two_objects_is_two_pieces_whose_u_runs_on() {
+        let ring = ring(25);
+        let found = pieces(Cow::Borrowed(&ring), &surface(), |_, o| o);
+        assert_eq!(
+            found.iter().map(|p| p.owner).collect::<Vec<_>>(),
+            [Some(owner(1)), Some(owner(0))]
+        );
+        let total: f64 = found.iter().map(|p| p.total()).sum();
+        assert!((total - ring.total()).abs() < 1e-9);
+        assert_eq!(found[0].u.last(), found[1].u.first());
+        assert_eq!(found[0].samples.last(), found[1].samples.first());
+        let once = found[1].u.last().unwrap() - found[0].u[0];
+        assert!((once - ring.u_period.unwrap()).abs() < 1e-9);
+        // Where both are drawn alike it stays whole, and so does one that a sliver of another touches.
+        for (ring, alike) in [(ring, true), (self::ring(38), false)] {
+            let found = pieces(Cow::Borrowed(&ring), &surface(), |_, o| o.filter(|_| !alike));
+            assert!(found.len() == 1 && found[0].closed);
+        }
     }
 
     #[test]
