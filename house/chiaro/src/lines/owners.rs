@@ -93,10 +93,7 @@ fn settled<L: PartialEq>(mut runs: Vec<Run<L>>) -> Vec<Run<L>> {
         if !into_before {
             runs[into].from = short.from;
         }
-        if into_before && k < runs.len() && runs[k].look == runs[k - 1].look {
-            let next = runs.remove(k);
-            runs[k - 1].length += next.length;
-        } else if !into_before && k > 0 && runs[k - 1].look == runs[k].look {
+        if k > 0 && k < runs.len() && runs[k].look == runs[k - 1].look {
             let next = runs.remove(k);
             runs[k - 1].length += next.length;
         }
