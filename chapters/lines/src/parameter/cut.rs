@@ -18,9 +18,7 @@ use std::collections::BTreeMap;
 /// Scales of the robust weights, pixels.
 pub(crate) const ANNEAL: [f64; 8] = [200.0, 100.0, 50.0, 25.0, 12.0, 8.0, 8.0, 8.0];
 /// The same where most contradictions are cut already.
-pub(crate) const AGAIN: [f64; 6] = [100.0, 50.0, 25.0, 12.0, 8.0, 8.0];
-/// The same from what was found before the last few cuts.
-pub(crate) const WARM: [f64; 3] = [50.0, 12.0, 8.0];
+pub(crate) const AGAIN: [f64; 4] = [100.0, 30.0, 10.0, 8.0];
 /// w_proj of the stiff solve.
 const STIFF: f64 = 1e-3;
 /// Single links go beyond this many sliding limits.
@@ -53,19 +51,17 @@ pub(crate) struct Robust<'a> {
 }
 
 impl Robust<'_> {
-    /// Finds the links that agree. `period` is that of each closed line without a seam; `start`: a
-    /// guess, if there is one already.
+    /// Finds the links that agree. `period` is that of each closed line without a seam.
     pub(crate) fn agreeing(
         &self,
         net: &Net,
         energy: &Energy,
         scale: &[f64],
         period: &[Option<f64>],
-        start: Option<Vec<f64>>,
     ) -> Result<Kept> {
         let stiff = vec![1.0; energy.stretches.len()];
         let weights = Weights { projection: STIFF, ..self.weights };
-        let mut u = start.unwrap_or_else(|| guess(net, scale, period));
+        let mut u = guess(net, scale, period);
         let mut wraps = wraps(net, energy, period, &u);
         for s in self.anneal {
             self.run.check()?;

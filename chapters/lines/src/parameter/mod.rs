@@ -43,8 +43,6 @@ use std::collections::BTreeMap;
 
 /// How often strokes are cut where links contradict each other, or where lines of two ids meet.
 const ROUNDS: usize = 4;
-/// Cuts are not worth another round where they are fewer than one a so many pixels of line.
-const RARE: f64 = 1e5;
 /// A loop whose longest slice is longer than its shortest by more than this closes with a seam.
 const LOOP_GROWTH: f64 = 1.3;
 
@@ -139,30 +137,23 @@ impl Parameters {
     pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         seam::carry(film);
         let sigma = f64::from(knobs.sliding_limit);
-        let linked = |film: &Film, anneal: &[f64], before: Option<(&Self, &[part::Origin])>| {
-            Self::linked(film, spacing, knobs, (anneal, run), before)
-        };
-        let mut made = linked(film, &cut::ANNEAL, None)?;
+        let linked =
+            |film: &Film, anneal: &[f64]| Self::linked(film, spacing, knobs, (anneal, run));
+        let mut made = linked(film, &cut::ANNEAL)?;
         if matches!(knobs.cuts, Cuts::Both | Cuts::Events | Cuts::Unpaired) {
             let paired = knobs.cuts != Cuts::Unpaired;
             let (places, saved) = chart::events(&made.net, paired, sigma, None);
             split::split(film, &made.net, &places);
-            made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN, None)? };
+            made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
         }
         let to_charts = matches!(knobs.cuts, Cuts::Charts | Cuts::Both);
         for _ in 0..if to_charts { ROUNDS } else { 0 } {
             let residual = |i: u32| made.kept.residual[i as usize];
             let places = chart::contradictions(&made.net, &residual, sigma);
-            let length: f64 = made.net.lines.iter().map(net::Line::total).sum();
-            if (places.len() as f64) * RARE < length {
+            if split::split(film, &made.net, &places).0 == 0 {
                 break;
             }
-            let (cuts, origins) = split::split(film, &made.net, &places);
-            if cuts == 0 {
-                break;
-            }
-            let next = linked(film, &cut::WARM, Some((&made, &origins)))?;
-            made = Self { saved: made.saved, ..next };
+            made = Self { saved: made.saved, ..linked(film, &cut::AGAIN)? };
         }
         let swept = knobs.links == Links::Swept;
         made.parts = Parts::of(film, &made.whole(), to_charts.then_some(sigma), swept);
@@ -178,14 +169,12 @@ impl Parameters {
         Whole { net, kept, scale, period }
     }
 
-    /// Finds links and judges them; `before`: the same before lines were cut, and what the lines now are
-    /// of those.
+    /// Finds links and judges them.
     fn linked(
         film: &Film,
         spacing: &[f64],
         knobs: &LinesKnobs,
         (anneal, run): (&[f64], &Run),
-        before: Option<(&Self, &[part::Origin])>,
     ) -> Result<Self> {
         let mut net = Net::of(film, knobs.links == Links::Swept);
         let stretched = knobs.texture == Texture::Stretched;
@@ -200,8 +189,7 @@ impl Parameters {
             _ => {
                 let sigma = f64::from(knobs.sliding_limit);
                 let robust = cut::Robust { weights: Weights::of(knobs), anneal, sigma, run };
-                let start = before.map(|(b, origins)| b.whole().values(&net, origins));
-                robust.agreeing(&net, &energy, &scale, &period, start)?
+                robust.agreeing(&net, &energy, &scale, &period)?
             }
         };
         let parts = Parts { origins: Vec::new(), components: Vec::new() };

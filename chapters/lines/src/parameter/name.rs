@@ -1,7 +1,8 @@
 //! Names: ids of strokes after they were cut and linked.
 //!
-//! Lines join where links that are trusted lead from one to the other, heaviest first, or first where two
-//! are each other's best: whichever keeps more of the links within an id. Lines of one frame share an id
+//! Lines join where links that are trusted lead from one to the other: first where these take in nearly
+//! all of both, then heaviest first, or where two are each other's best, whichever keeps more of the links
+//! within an id. Lines of one frame share an id
 //! where they are parts of one line of the surface, and where their stretches of u lie beside each other,
 //! as when a line is parted by what passes before it or by a saddle; last, whatever their u, where they
 //! were one line before it was hidden. Where two ids run into each other for good one of them ends.
@@ -17,6 +18,8 @@ const OVERLAP: f64 = 0.1;
 const LEAST: f64 = 20.0;
 /// Lines are one where links lead from one to the other along this share of the shorter.
 const LED: f64 = 0.15;
+/// Nothing merges and nothing parts where links take in this share of the longer.
+const PURE: f64 = 0.8;
 /// Links that were cut count against a line's going on where they are this share of all.
 const CUT: f64 = 0.5;
 
@@ -25,6 +28,8 @@ struct Bundle {
     lines: [u32; 2],
     weight: f64,
     mutual: bool,
+    /// Whether the lines are the same from end to end.
+    pure: bool,
 }
 
 /// What a line covers in its frame.
@@ -118,17 +123,16 @@ fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
             }
         }
     }
+    let of = |line: u32| net.lines[line as usize].total();
     let is_best = |lines: &[u32; 2], side: usize| best[side][&lines[side]].1 == lines[1 - side];
     let mut bundles: Vec<Bundle> = weights
         .iter()
-        .filter(|(lines, [weight, _])| {
-            let [a, b] = lines.map(|l| net.lines[l as usize].total());
-            *weight > LED * a.min(b)
-        })
+        .filter(|(lines, [weight, _])| *weight > LED * of(lines[0]).min(of(lines[1])))
         .map(|(lines, [weight, _])| Bundle {
             lines: *lines,
             weight: *weight,
             mutual: is_best(lines, 0) && is_best(lines, 1),
+            pure: *weight > PURE * of(lines[0]).max(of(lines[1])),
         })
         .collect();
     bundles.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.lines.cmp(&b.lines)));
@@ -148,11 +152,12 @@ impl Groups {
         Self { parent, spans: spans.iter().map(|s| vec![*s]).collect() }
     }
 
-    /// Lines joined along bundles in their order, or along mutual ones before all others.
+    /// Lines joined along pure bundles and then all in their order, or along mutual ones before all others.
     fn joined(spans: &[Span], bundles: &[Bundle], mutual: bool) -> Self {
         let mut groups = Self::of(spans);
+        let pure = bundles.iter().filter(|b| b.pure);
         let first = bundles.iter().filter(|b| mutual && b.mutual);
-        first.chain(bundles).for_each(|b| groups.join(b.lines, clash));
+        pure.chain(first).chain(bundles).for_each(|b| groups.join(b.lines, clash));
         groups
     }
 
@@ -226,7 +231,7 @@ mod tests {
         // A long line (0) and a short one (1) become one (2), which the short one alone likes best.
         let spans = [span(0, 0.0, 100.0), span(0, 0.0, 30.0), span(1, 0.0, 100.0)]
             .map(|s| Span { chain: s.to as u32, ..s });
-        let bundle = |lines, weight, mutual| Bundle { lines, weight, mutual };
+        let bundle = |lines, weight, mutual| Bundle { lines, weight, mutual, pure: false };
         let bundles = [bundle([0, 2], 90.0, false), bundle([1, 2], 30.0, true)];
         let kept =
             [true, false].map(|mutual| Groups::joined(&spans, &bundles, mutual).kept(&bundles));

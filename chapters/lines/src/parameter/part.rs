@@ -114,7 +114,7 @@ impl Whole<'_> {
     }
 
     /// u of every sample of parts where textures are nearly rigid.
-    pub(crate) fn values(&self, net: &Net, origins: &[Origin]) -> Vec<f64> {
+    fn values(&self, net: &Net, origins: &[Origin]) -> Vec<f64> {
         let mut u = Vec::with_capacity(net.unknowns);
         for (line, origin) in net.lines.iter().zip(origins) {
             let l = origin.line as usize;
