@@ -14,7 +14,6 @@
 //! width, where the nearest piece counts; outlines have no grain.
 
 mod grain;
-mod halo;
 mod knob;
 mod marks;
 mod noise;
@@ -25,7 +24,6 @@ mod strip;
 mod texture;
 mod width;
 
-pub use halo::Halos;
 pub use knob::{Brush, Cap, Grain, Mark, Side};
 pub use marks::{ribbons, rim};
 pub use noise::Axis;

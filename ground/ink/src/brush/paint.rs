@@ -23,7 +23,7 @@ use rayon::prelude::*;
 /// Pixels on a tile's side.
 const TILE: usize = 64;
 /// A line is behind a halo if it is deeper by this, in pixels; by twice that it is gone.
-pub(super) const BEHIND: f32 = 6.0;
+const BEHIND: f32 = 6.0;
 
 /// A stroke with its brush.
 #[derive(Clone, Copy, Debug)]

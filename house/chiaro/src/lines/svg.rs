@@ -10,7 +10,7 @@
 //! each stroke has its id.
 //!
 //! Grain and pictures of strokes have no outline: such strokes are even here. Rims are shapes of
-//! paper beneath the strokes; where haloes of near lines part far ones, those end.
+//! paper beneath the strokes; haloes, by which near lines part far ones, are in pixels alone.
 //! Pictures beneath are embedded, unless a pen draws.
 
 use super::beneath::Beneath;
@@ -20,7 +20,7 @@ use super::{Job, Shot};
 use chiaro_basis::Result;
 use chiaro_image::codec;
 use chiaro_image::colour::to_byte;
-use chiaro_ink::brush::{Halos, Rib, Ribbon, ribbons, rim};
+use chiaro_ink::brush::{Rib, Ribbon, ribbons, rim};
 use chiaro_ink::{
     Drawing, Fit, Layer, Mark, Path, Picture, Placement, Point, Segment, Travel, fit, route,
 };
@@ -55,9 +55,8 @@ pub(super) fn svg(
         },
     };
     let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
-    let halos = Halos::of(drawn.iter().map(|d| d.inked(&job.look.lines)));
     let frame = frame(shot, number);
-    let mut pen = Pen { job, placement: &placement, halos, frame, parts: BTreeMap::new() };
+    let mut pen = Pen { job, placement: &placement, frame, parts: BTreeMap::new() };
     let mut travel = Travel::default();
     let rims: Vec<Mark> = drawn.iter().enumerate().filter_map(|(i, d)| pen.rim(i, d)).collect();
     if !rims.is_empty() {
@@ -93,14 +92,13 @@ fn embedded(beneath: &Beneath, job: &Job<'_>, place: &Placement) -> Result<Optio
 struct Pen<'a> {
     job: &'a Job<'a>,
     placement: &'a Placement,
-    halos: Halos,
     frame: &'a FilmFrame,
     parts: BTreeMap<(Kind, bool, u32), u32>,
 }
 
 impl Pen<'_> {
     fn mark(&mut self, drawn: &Drawn<'_>) -> Option<Mark> {
-        let marks = self.halos.part(ribbons(&drawn.brush, &drawn.spine));
+        let marks = ribbons(&drawn.brush, &drawn.spine);
         let pen = self.job.look.print.pen;
         let mut colour = drawn.colour;
         colour[3] *= drawn.brush.opacity;
