@@ -10,5 +10,5 @@ mod gaussian;
 mod median;
 
 pub use distance::distance_to;
-pub use gaussian::{gaussian_masked, gaussian_masked3};
+pub use gaussian::{gaussian_covered, gaussian_covered3, gaussian_masked};
 pub use median::median3;

@@ -4,6 +4,7 @@
 //! the same bytes for any number of threads. A tour:
 //!
 //! - [`Plane`]: the only two-dimensional array; row-major, y down, pixel centres at + 0.5.
+//! - [`Runs`]: where the rows of a mask are covered, for passes that leave out the rest.
 //! - [`colour`]: the sRGB curve, luminance, colours as typed.
 //! - [`filter`], [`statistics`]: averages, medians, percentiles and thresholds of the covered
 //!   pixels, those that a mask says show geometry.
@@ -45,9 +46,11 @@ pub mod labels;
 pub mod metric;
 mod plane;
 pub mod resample;
+mod runs;
 pub mod sheet;
 pub mod statistics;
 pub mod text;
 pub mod tone;
 
 pub use plane::Plane;
+pub use runs::Runs;
