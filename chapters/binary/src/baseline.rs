@@ -91,7 +91,7 @@ impl Method {
             }
             Self::Otsu => above(&tone, statistics::otsu(&tone, covered)),
             Self::GaussianOtsu => {
-                let soft = filter::gaussian_masked(&tone, covered, scaled(2.9, height));
+                let soft = filter::gaussian_covered(&tone, covered, scaled(2.9, height));
                 above(&soft, statistics::otsu(&soft, covered))
             }
             Self::Kittler => above(&tone, kittler(&tone, covered)),
@@ -152,7 +152,7 @@ fn kittler(tone: &Plane<f32>, covered: &Plane<bool>) -> f32 {
 /// them, and the tone is compared with it. Regions without a steep border are ghosts and take the
 /// colour around them.
 fn yanowitz(tone: &Plane<f32>, covered: &Plane<bool>) -> Plane<bool> {
-    let soft = filter::gaussian_masked(tone, covered, 1.0);
+    let soft = filter::gaussian_covered(tone, covered, 1.0);
     let slope = slope(&soft, covered);
     let steep = statistics::percentile(&slope, covered, 92.0).unwrap_or(0.0).max(1e-4);
     let pinned = covered.zip(&slope, |c, s| *c && *s >= steep).expect("same size");
@@ -249,8 +249,8 @@ fn without_ghosts(
 
 /// Sauvola's threshold m (1 + k (s / R - 1)) with k = 0.2, R = 0.5, over a Gaussian window.
 fn sauvola(tone: &Plane<f32>, covered: &Plane<bool>, sigma: f32) -> Plane<bool> {
-    let mean = filter::gaussian_masked(tone, covered, sigma);
-    let squares = filter::gaussian_masked(&tone.map(|t| t * t), covered, sigma);
+    let mean = filter::gaussian_covered(tone, covered, sigma);
+    let squares = filter::gaussian_covered(&tone.map(|t| t * t), covered, sigma);
     let limit = mean
         .zip(&squares, |m, s| m * (1.0 + 0.2 * ((s - m * m).max(0.0).sqrt() / 0.5 - 1.0)))
         .expect("same size");

@@ -3,7 +3,7 @@
 use crate::knob::{BinaryKnobs, REFERENCE_HEIGHT};
 use crate::mend::Costs;
 use chiaro_basis::{Error, Result};
-use chiaro_image::Plane;
+use chiaro_image::{Plane, Runs};
 use chiaro_mincut::Grid;
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -49,14 +49,20 @@ impl Graph {
         let scale = UNITS.min(LARGEST / strength.max(1e-6));
         let diagonal = if knobs.diagonal { FRAC_1_SQRT_2 } else { 1.0 };
         let along = [1.0, diagonal, 1.0, diagonal].map(|d| d * strength * scale);
-        let terminal = difference
-            .zip(mask, |d, m| {
+        let runs = Runs::of(mask);
+        let terminal = runs.plane([0; 2], |y, run, terminal| {
+            let row = difference.row(y)[run.clone()].iter().zip(&mask.row(y)[run]);
+            for (terminal, (d, m)) in terminal.iter_mut().zip(row) {
                 // Beyond 4 a pixel is as good as bound.
                 let units = nearest(d.clamp(-4.0, 4.0) * scale);
-                if *m { [units.max(0), (-units).max(0)] } else { [0, 0] }
-            })
-            .expect("weights have the picture's size");
-        let neighbour = factors.map(|f| std::array::from_fn(|e| nearest(f[e] * along[e])));
+                *terminal = if *m { [units.max(0), (-units).max(0)] } else { [0, 0] };
+            }
+        });
+        let neighbour = runs.plane([0; 4], |y, run, neighbour| {
+            for (neighbour, f) in neighbour.iter_mut().zip(&factors.row(y)[run]) {
+                *neighbour = std::array::from_fn(|e| nearest(f[e] * along[e]));
+            }
+        });
         Self { mask: mask.clone(), terminal, neighbour, scale }
     }
 

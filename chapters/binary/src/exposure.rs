@@ -5,7 +5,7 @@
 
 use crate::appearance::{Channel, Channels};
 use crate::knob::{BinaryKnobs, scaled};
-use chiaro_image::{Plane, filter, statistics};
+use chiaro_image::{Plane, Runs, filter, statistics};
 
 /// What a shot's frames share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,8 @@ const LEAST_RANGE: f32 = 0.15;
 /// Under this share of light that gets through, shadows only darken a closed room.
 pub const LEAST_REACH: f32 = 0.15;
 
-/// The tone of a picture before levels: the mean of its channels, weighted by their shares.
+/// The tone of a picture before levels where it is covered: the mean of its channels, weighted by
+/// their shares.
 pub fn mixed_tone(channels: &Channels, covered: &Plane<bool>, knobs: &BinaryKnobs) -> Plane<f32> {
     let parts: Vec<(f32, &Plane<f32>)> = Channel::ALL
         .into_iter()
@@ -58,8 +59,13 @@ pub fn mixed_tone(channels: &Channels, covered: &Plane<bool>, knobs: &BinaryKnob
     if total == 0.0 {
         return Plane::filled(w, h, 0.5);
     }
-    Plane::from_fn(w, h, |x, y| {
-        parts.iter().map(|(share, plane)| share * plane[(x, y)]).sum::<f32>() / total
+    Runs::of(covered).plane(0.0, |y, run, tone| {
+        for (share, plane) in &parts {
+            for (t, v) in tone.iter_mut().zip(&plane.row(y)[run.clone()]) {
+                *t += share * v;
+            }
+        }
+        tone.iter_mut().for_each(|t| *t /= total);
     })
 }
 
@@ -154,10 +160,15 @@ fn contrast(samples: &[Sample], exposure: &Exposure, knobs: &BinaryKnobs) -> f32
     ((sum / count.max(1) as f64).sqrt() as f32).max(0.3 * LEAST_RANGE)
 }
 
-/// A' (3.4): the difference to the normalised Gaussian average (3.3), with h stated at 480 pixels.
+/// A' (3.4) where pixels are covered: the difference to the normalised Gaussian average (3.3), with h stated at 480 pixels.
 /// exp(-r^2 / h^2) has the standard deviation h / sqrt 2.
 pub fn local_contrast(plane: &Plane<f32>, covered: &Plane<bool>, h: f32) -> Plane<f32> {
-    let sigma = scaled(h, plane.height()) * std::f32::consts::FRAC_1_SQRT_2;
-    let mean = filter::gaussian_masked(plane, covered, sigma);
+    let mean = local_mean(plane, covered, h);
     plane.zip(&mean, |a, m| a - m).expect("a filter keeps the size")
+}
+
+/// The normalised Gaussian average (3.3) where pixels are covered.
+pub(crate) fn local_mean(plane: &Plane<f32>, covered: &Plane<bool>, h: f32) -> Plane<f32> {
+    let sigma = scaled(h, plane.height()) * std::f32::consts::FRAC_1_SQRT_2;
+    filter::gaussian_covered(plane, covered, sigma)
 }

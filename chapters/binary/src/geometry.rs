@@ -71,7 +71,7 @@ impl<'a> Field<'a> {
         let window = scaled(knobs.curvature_radius, buffer.size().1).max(1.5);
         let fast = knobs.curvature_form == CurvatureForm::Fast && knobs.use_geometry;
         let mean_normal = fast.then(|| {
-            filter::gaussian_masked3(&buffer.normal, &buffer.covered, window * FRAC_1_SQRT_2)
+            filter::gaussian_covered3(&buffer.normal, &buffer.covered, window * FRAC_1_SQRT_2)
         });
         Self { buffer, knobs, mean_normal, window }
     }

@@ -3,7 +3,8 @@
 //! What each edge costs is what `geometry.rs` says, written as loops over slices that become vector
 //! instructions:
 //!
-//! 1. Rows of the buffer are dealt to one slice a component, padded by a pixel at either end.
+//! 1. Runs of covered pixels of a row are dealt to one slice a component, padded by a pixel at either
+//!    end.
 //! 2. One loop an edge direction yields N from differences of slices. N0 and N1 share one
 //!    exponential; the angle and the normal of the midpoint share n + m.
 //!
@@ -17,10 +18,11 @@
 use crate::geometry::EDGES;
 use crate::knob::{BinaryKnobs, DepthForm};
 use chiaro_basis::math::Vec3;
-use chiaro_image::Plane;
+use chiaro_image::{Plane, Runs};
 use chiaro_trace::GBuffer;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_SQRT_2, LN_2, PI};
+use std::ops::Range;
 
 /// Rows that one task works through.
 const BLOCK: usize = 16;
@@ -39,30 +41,44 @@ pub(crate) fn factors(
     let (width, height) = buffer.size();
     let source = Source { buffer, mean_normal, raw: knobs.depth_form == DepthForm::Raw };
     let scales: [Scales; 4] = std::array::from_fn(|e| Scales::new(buffer.radius, window, e, knobs));
+    let runs = Runs::of(&buffer.covered);
     let mut factors = vec![[0.0; 4]; width * height];
     factors.par_chunks_mut(width.max(1) * BLOCK).enumerate().for_each(|(block, rows)| {
         let first = block * BLOCK;
         let (mut here, mut below) = (Row::new(width), Row::new(width));
-        let mut edges: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; width]);
-        here.load(&source, first);
+        here.load(&source, &runs, first);
         for (y, row) in (first..).zip(rows.chunks_mut(width)) {
-            below.load(&source, y + 1);
-            for start in (0..width).step_by(STRIP) {
-                for (e, edge) in edges.iter_mut().enumerate() {
-                    let other = if EDGES[e].1 == 0 { &here } else { &below };
-                    let out = &mut edge[start..(start + STRIP).min(width)];
-                    let q = (start + 1).wrapping_add_signed(EDGES[e].0);
-                    weigh_widely((&here, start + 1), (other, q), &scales[e], out);
+            below.load(&source, &runs, y + 1);
+            for run in runs.row(y) {
+                for start in run.clone().step_by(STRIP) {
+                    let strip = start..(start + STRIP).min(run.end);
+                    weigh_strip(&here, &below, &scales, start, &mut row[strip]);
                 }
-            }
-            let [a, b, c, d] = &edges;
-            for ((((out, a), b), c), d) in row.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                *out = [*a, *b, *c, *d];
             }
             std::mem::swap(&mut here, &mut below);
         }
     });
     Plane::from_pixels(width, height, factors)
+}
+
+/// The four weights of each pixel of a strip of at most [`STRIP`], from its row and the next.
+fn weigh_strip(
+    here: &Row,
+    below: &Row,
+    scales: &[Scales; 4],
+    start: usize,
+    strip: &mut [[f32; 4]],
+) {
+    let mut edges = [[0.0; STRIP]; 4];
+    for (e, edge) in edges.iter_mut().enumerate() {
+        let other = if EDGES[e].1 == 0 { here } else { below };
+        let q = (start + 1).wrapping_add_signed(EDGES[e].0);
+        weigh_widely((here, start + 1), (other, q), &scales[e], &mut edge[..strip.len()]);
+    }
+    let [a, b, c, d] = &edges;
+    for ((((out, a), b), c), d) in strip.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        *out = [*a, *b, *c, *d];
+    }
 }
 
 struct Source<'a> {
@@ -99,37 +115,41 @@ impl Row {
         }
     }
 
-    /// Row `y`, or nothing below the picture.
-    fn load(&mut self, source: &Source, y: usize) {
+    /// The runs of row `y`, or nothing below the picture. What is beside them stays as it was, but
+    /// uncovered.
+    fn load(&mut self, source: &Source, runs: &Runs, y: usize) {
         let b = source.buffer;
-        let (width, height) = b.size();
-        if y >= height {
-            self.cover.fill(0.0);
+        self.cover.fill(0.0);
+        if y >= b.size().1 {
             return;
         }
-        deal(b.normal.row(y), &mut self.normal);
-        deal(source.mean_normal.row(y), &mut self.mean);
-        if source.raw {
-            let eye = b.pose.position;
-            for (x, p) in b.position.row(y).iter().enumerate() {
-                self.position[0][x + 1] = (Vec3::from(*p) - eye).length();
+        for run in runs.row(y) {
+            let to = run.start + 1..run.end + 1;
+            deal(b.normal.row(y), &mut self.normal, &run);
+            deal(source.mean_normal.row(y), &mut self.mean, &run);
+            if source.raw {
+                let eye = b.pose.position;
+                for x in run.clone() {
+                    self.position[0][x + 1] = (Vec3::from(b.position[(x, y)]) - eye).length();
+                }
+                self.plane[0][to.clone()].fill(1.0);
+            } else {
+                deal(b.position.row(y), &mut self.position, &run);
+                deal(b.geometric_normal.row(y), &mut self.plane, &run);
             }
-            self.plane[0].fill(1.0);
-        } else {
-            deal(b.position.row(y), &mut self.position);
-            deal(b.geometric_normal.row(y), &mut self.plane);
+            let cover = self.cover[to.clone()].iter_mut().zip(&b.covered.row(y)[run.clone()]);
+            cover.for_each(|(cover, c)| *cover = f32::from(u8::from(*c)));
+            self.object[to.clone()].copy_from_slice(&b.object.row(y)[run.clone()]);
+            self.material[to].copy_from_slice(&b.material.row(y)[run]);
         }
-        for (cover, c) in self.cover[1..=width].iter_mut().zip(b.covered.row(y)) {
-            *cover = f32::from(u8::from(*c));
-        }
-        self.object[1..=width].copy_from_slice(b.object.row(y));
-        self.material[1..=width].copy_from_slice(b.material.row(y));
     }
 }
 
-fn deal(row: &[[f32; 3]], [a, b, c]: &mut [Vec<f32>; 3]) {
-    let (a, b, c) = (&mut a[1..], &mut b[1..], &mut c[1..]);
-    for (((v, a), b), c) in row.iter().zip(a).zip(b).zip(c) {
+/// Deals a run of a row to one vector a component, a place to the right.
+fn deal(row: &[[f32; 3]], [a, b, c]: &mut [Vec<f32>; 3], run: &Range<usize>) {
+    let to = run.start + 1..run.end + 1;
+    let (a, b, c) = (&mut a[to.clone()], &mut b[to.clone()], &mut c[to]);
+    for (((v, a), b), c) in row[run.clone()].iter().zip(a).zip(b).zip(c) {
         [*a, *b, *c] = *v;
     }
 }

@@ -4,11 +4,11 @@
 //! difference, since adding the same to both changes no cut.
 
 use crate::appearance::{Channel, Channels};
-use crate::exposure::{Exposure, local_contrast, mixed_tone};
+use crate::exposure::{Exposure, local_contrast, local_mean, mixed_tone};
 use crate::knob::{BinaryKnobs, Model};
-use chiaro_image::Plane;
+use chiaro_image::{Plane, Runs};
 
-/// W - B per pixel; positive pulls to white.
+/// W - B per covered pixel; positive pulls to white.
 pub fn terminal(
     channels: &Channels,
     covered: &Plane<bool>,
@@ -16,10 +16,7 @@ pub fn terminal(
     knobs: &BinaryKnobs,
 ) -> Plane<f32> {
     match knobs.model {
-        Model::Tone => {
-            let tone = mixed_tone(channels, covered, knobs).map(|&t| exposure.stretch(t));
-            from_tone(&tone, covered, exposure, knobs)
-        }
+        Model::Tone => from_tone(mixed_tone(channels, covered, knobs), covered, exposure, knobs),
         Model::Thesis => {
             let shift = exposure.threshold - Exposure::default().threshold;
             let sum = from_channels(channels, covered, knobs);
@@ -28,21 +25,28 @@ pub fn terminal(
     }
 }
 
-/// g (T - t) + (1 - g) clamp(A' / (4 rms A'), -1/2, 1/2).
+/// g (T - t) + (1 - g) clamp(A' / (4 rms A'), -1/2, 1/2) of the mixed tone, with T after levels.
 fn from_tone(
-    tone: &Plane<f32>,
+    mut tone: Plane<f32>,
     covered: &Plane<bool>,
     exposure: &Exposure,
     knobs: &BinaryKnobs,
 ) -> Plane<f32> {
-    let g = knobs.global;
+    let (runs, g, threshold) = (Runs::of(covered), knobs.global, exposure.threshold);
+    runs.change(&mut tone, |_, _, tone| tone.iter_mut().for_each(|t| *t = exposure.stretch(*t)));
     if g >= 1.0 {
-        return tone.map(|t| t - exposure.threshold);
+        runs.change(&mut tone, |_, _, tone| tone.iter_mut().for_each(|t| *t -= threshold));
+        return tone;
     }
-    let local = local_contrast(tone, covered, knobs.local_radius);
+    let mean = local_mean(&tone, covered, knobs.local_radius);
     let scale = 0.25 / exposure.contrast;
-    tone.zip(&local, |t, d| g * (t - exposure.threshold) + (1.0 - g) * (scale * d).clamp(-0.5, 0.5))
-        .expect("a filter keeps the size")
+    runs.change(&mut tone, |y, run, tone| {
+        for (t, mean) in tone.iter_mut().zip(&mean.row(y)[run]) {
+            let local = (scale * (*t - mean)).clamp(-0.5, 0.5);
+            *t = g * (*t - threshold) + (1.0 - g) * local;
+        }
+    });
+    tone
 }
 
 /// The thesis's sum: sum of w_i W_i - b_i B_i with W_i and B_i of (3.5). Its small constant that

@@ -116,13 +116,24 @@ impl Runs {
         fill: impl Fn(usize, Range<usize>, &mut [T]) + Sync,
     ) -> Plane<T> {
         let (width, height) = self.size();
-        let mut pixels = vec![nothing; width * height];
-        pixels.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, pixels)| {
+        let mut plane = Plane::filled(width, height, nothing);
+        self.change(&mut plane, fill);
+        plane
+    }
+
+    /// Changes the pixels of runs in place, rows in parallel. Panics when the sizes differ.
+    pub fn change<T: Send>(
+        &self,
+        plane: &mut Plane<T>,
+        change: impl Fn(usize, Range<usize>, &mut [T]) + Sync,
+    ) {
+        assert_eq!(plane.size(), self.size(), "runs have the size of their plane");
+        let rows = plane.pixels_mut().par_chunks_mut(self.width.max(1)).enumerate();
+        rows.for_each(|(y, pixels)| {
             for run in self.row(y) {
-                fill(y, run.clone(), &mut pixels[run]);
+                change(y, run.clone(), &mut pixels[run]);
             }
         });
-        Plane::from_pixels(width, height, pixels)
     }
 }
 

@@ -224,7 +224,7 @@ fn alone(cel: &Cel, labelling: Labelling, knobs: &BinaryKnobs) -> Vec<Plane<u8>>
 fn blurred(graph: &Graph) -> Plane<u8> {
     let pull = graph.terminal.map(|[white, black]| (white - black) as f32);
     let sigma = scaled(3.0, graph.mask.height());
-    let soft = filter::gaussian_masked(&pull, &graph.mask, sigma);
+    let soft = filter::gaussian_covered(&pull, &graph.mask, sigma);
     soft.zip(&graph.mask, |p, m| u8::from(*m && *p > 0.0)).expect("a filter keeps the size")
 }
 

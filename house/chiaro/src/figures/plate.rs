@@ -251,7 +251,7 @@ impl Plate {
     pub(super) fn threshold(&self, sigma: f32) -> Plane<[u8; 3]> {
         let covered = &self.view.buffer.covered;
         let plane = self.view.channels.get(Channel::Diffuse).expect("a plate has every channel");
-        let soft = filter::gaussian_masked(plane, covered, sigma);
+        let soft = filter::gaussian_covered(plane, covered, sigma);
         let ink = |v: &f32, c: &bool| [if *c && *v < 0.5 { 0 } else { 255 }; 3];
         soft.zip(covered, ink).expect("channels have the picture's size")
     }

@@ -180,8 +180,7 @@ fn convolved_along_x<const C: usize>(
                 let middle = run.start + radius;
                 add_scaled(sums, at(middle), taps[0]);
                 for (n, &tap) in taps.iter().enumerate().skip(1).take_while(|(n, _)| *n < width) {
-                    add_scaled(sums, at(middle - n), tap);
-                    add_scaled(sums, at(middle + n), tap);
+                    add_both(sums, [at(middle - n), at(middle + n)], tap);
                 }
             }
             have.row(y).for_each(|run| row[radius..][run].fill([0.0; C]));
@@ -200,9 +199,12 @@ fn convolve_along_y<const C: usize>(
     let row = |y: usize| plane.row(y)[run.clone()].as_flattened();
     add_scaled(sums, row(y), taps[0]);
     for (n, &tap) in taps.iter().enumerate().skip(1) {
-        let rows = [y.checked_sub(n), Some(y + n).filter(|&y| y < plane.height())];
-        for other in rows.into_iter().flatten() {
-            add_scaled(sums, row(other), tap);
+        match (y.checked_sub(n), Some(y + n).filter(|&y| y < plane.height())) {
+            (Some(above), Some(below)) => add_both(sums, [row(above), row(below)], tap),
+            (None, None) => break,
+            (above, below) => {
+                above.or(below).into_iter().for_each(|y| add_scaled(sums, row(y), tap))
+            }
         }
     }
 }
@@ -221,6 +223,17 @@ fn add_scaled(sum: &mut [f32], values: &[f32], weight: f32) {
     add_scaled_plainly(sum, values, weight);
 }
 
+/// [`add_scaled`] of the first values and then of the second.
+fn add_both(sum: &mut [f32], values: [&[f32]; 2], weight: f32) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "as above")]
+        // SAFETY: the machine has AVX2, which is all that the function asks for.
+        return unsafe { add_both_in_eights(sum, values, weight) };
+    }
+    add_both_plainly(sum, values, weight);
+}
+
 /// [`add_scaled_plainly`], compiled for vectors of eight: the same operations, so the same bytes.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
@@ -228,10 +241,24 @@ fn add_scaled_in_eights(sum: &mut [f32], values: &[f32], weight: f32) {
     add_scaled_plainly(sum, values, weight);
 }
 
+/// [`add_both_plainly`], compiled for vectors of eight.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn add_both_in_eights(sum: &mut [f32], values: [&[f32]; 2], weight: f32) {
+    add_both_plainly(sum, values, weight);
+}
+
 #[inline(always)]
 fn add_scaled_plainly(sum: &mut [f32], values: &[f32], weight: f32) {
     for (s, v) in sum.iter_mut().zip(values) {
         *s += weight * v;
+    }
+}
+
+#[inline(always)]
+fn add_both_plainly(sum: &mut [f32], [first, second]: [&[f32]; 2], weight: f32) {
+    for ((s, a), b) in sum.iter_mut().zip(first).zip(second) {
+        *s = *s + weight * a + weight * b;
     }
 }
 
@@ -380,6 +407,10 @@ mod tests {
         add_scaled(&mut wide[2..], &values, 0.37);
         add_scaled_plainly(&mut plain[2..], &values, 0.37);
         assert_eq!(wide, plain);
+        add_both(&mut wide, [&values[3..], &values[1..]], 0.23);
+        add_scaled_plainly(&mut plain[..100], &values[3..], 0.23);
+        add_scaled_plainly(&mut plain[..100], &values[1..101], 0.23);
+        assert_eq!(wide[..100], plain[..100]);
     }
 
     /// The plain convolution of a plane.
