@@ -407,7 +407,8 @@ impl PrintArgs {
 #[derive(Args, Clone, Debug)]
 pub(crate) struct StencilArgs {
     /// Make a stencil: holes where the ink is, in a sheet of one piece, held by bridges of this
-    /// width, as in 2mm; of a palette one for each ink, as layers of an SVG or one below the other.
+    /// width, as in 2mm; of a palette one for each ink, as layers of an SVG or as files `name-1.png`,
+    /// `name-2.png`, the darkest first.
     #[arg(long, value_name = "LENGTH")]
     stencil: Option<String>,
     /// Holes and loose parts of a stencil smaller than a disc of this diameter are left out.

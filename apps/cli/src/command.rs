@@ -332,10 +332,11 @@ pub(crate) fn summary(command: &Command, record: &Record) -> String {
             [] => String::new(),
             [one] => format!("{}{}\n", one.path.display(), of_stencil(record)),
             [first, .., last] => format!(
-                "{} files, {} to {}\n",
+                "{} files, {} to {}{}\n",
                 record.outputs.len(),
                 first.path.display(),
-                last.path.display()
+                last.path.display(),
+                of_stencil(record)
             ),
         },
     }

@@ -13,7 +13,8 @@ use crate::path::Point;
 use chiaro_image::Plane;
 
 /// How lines are fitted, in pixels.
-const LINES: Fit = Fit { tolerance: 0.45, corner: std::f64::consts::FRAC_PI_4, blur: 1.5 };
+const LINES: Fit =
+    Fit { tolerance: 0.45, corner: std::f64::consts::FRAC_PI_4, blur: 1.5, rounds: 0 };
 
 /// Marked cracks of a picture.
 #[derive(Clone, Debug)]

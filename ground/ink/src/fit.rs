@@ -1,15 +1,17 @@
 //! Points along a border to few smooth curves, sharp corners kept.
 //!
-//! 1. A corner is where two straight pieces meet at an angle over a limit; smoothing has rounded
+//! 1. Where points still follow the steps of pixels, these are taken out first (`relax.rs`).
+//! 2. A corner is where two straight pieces meet at an angle over a limit; smoothing has rounded
 //!    it, so it is put back where the pieces' lines cross.
-//! 2. Between corners a uniform cubic B-spline runs along the points; its control points are moved
+//! 3. Between corners a uniform cubic B-spline runs along the points; its control points are moved
 //!    against the (1, 4, 1) / 6 by which it smooths, so that bends do not shrink.
-//! 3. The spline becomes straight lines where it is straight within the tolerance, and otherwise
+//! 4. The spline becomes straight lines where it is straight within the tolerance, and otherwise
 //!    the cubics that `kurbo` fits to it by area and moment (Levien).
 //!
 //! The ends of an open run of points stay exactly where they are.
 
 use crate::path::{distance, distance_to_segment};
+use crate::relax::relaxed;
 use crate::{Path, Point, Segment};
 use kurbo::simplify::SimplifyBezPath;
 use kurbo::{BezPath, ParamCurve, PathEl, PathSeg};
@@ -23,6 +25,8 @@ pub struct Fit {
     pub corner: f64,
     /// How far from a corner smoothing has moved points.
     pub blur: f64,
+    /// Rounds that take steps of pixels out of points along borders; 0 where they are smooth.
+    pub rounds: u32,
 }
 
 /// Fits a path to `points`; `None` without any. The first point is not repeated at the end of a
@@ -31,6 +35,7 @@ pub fn fit(points: &[Point], closed: bool, how: &Fit) -> Option<Path> {
     if points.len() < 3 {
         return Path::through(points, closed);
     }
+    let points = &relaxed(points, closed, how.rounds);
     let track = Track::new(points, closed);
     let corners = track.corners(how);
     let mut path = Path { start: points[0], segments: Vec::new(), closed };
@@ -298,7 +303,7 @@ pub fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
 mod tests {
     use super::*;
 
-    const HOW: Fit = Fit { tolerance: 0.1, corner: 0.7, blur: 1.5 };
+    const HOW: Fit = Fit { tolerance: 0.1, corner: 0.7, blur: 1.5, rounds: 0 };
 
     fn circle(radius: f64) -> Vec<Point> {
         let n = (radius * 6.0) as usize;
@@ -386,7 +391,7 @@ mod tests {
                 at = [at[0] + step * heading.cos(), at[1] + step * heading.sin()];
                 points.push(at);
             }
-            let how = Fit { tolerance: 0.02, corner: 0.785, blur: 0.4 };
+            let how = Fit { tolerance: 0.02, corner: 0.785, blur: 0.4, rounds: 0 };
             let Some(path) = fit(&points, walk % 2 == 0, &how) else { continue };
             for p in path.points(0.01) {
                 let off = points.iter().map(|q| distance(p, *q)).fold(f64::INFINITY, f64::min);

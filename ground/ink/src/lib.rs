@@ -21,6 +21,7 @@ mod join;
 mod paper;
 mod partition;
 mod path;
+mod relax;
 mod seam;
 mod soften;
 mod stencil;

@@ -408,7 +408,7 @@ impl<F: Fn(Pixel, Pixel) -> f64> NodePoints<'_, F> {
 mod tests {
     use super::*;
 
-    const EXACT: Fit = Fit { tolerance: 1e-6, corner: 9.0, blur: 1.0 };
+    const EXACT: Fit = Fit { tolerance: 1e-6, corner: 9.0, blur: 1.0, rounds: 0 };
 
     fn drawn(rows: &[&str]) -> Plane<u8> {
         Plane::from_fn(rows[0].len(), rows.len(), |x, y| rows[y].as_bytes()[x])
@@ -470,7 +470,7 @@ mod tests {
     #[test]
     fn neighbours_share_the_same_curve() {
         let labels = Plane::from_fn(30, 30, |x, y| u8::from((x * x + y * y) > 400));
-        let how = Fit { tolerance: 0.1, corner: 0.7, blur: 1.0 };
+        let how = Fit { tolerance: 0.1, corner: 0.7, blur: 1.0, rounds: 0 };
         let partition = Partition::trace(&labels, |_, _| 0.5, &how);
         let [a, b] = [0, 1].map(|i| partition.outline(&partition.regions[i]).remove(0));
         let curves =

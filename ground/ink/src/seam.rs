@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::Fit;
 
-    const HOW: Fit = Fit { tolerance: 0.05, corner: 0.7, blur: 1.0 };
+    const HOW: Fit = Fit { tolerance: 0.05, corner: 0.7, blur: 1.0, rounds: 0 };
 
     #[test]
     fn seams_follow_inner_borders_and_keep_off_the_outside() {

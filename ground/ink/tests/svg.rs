@@ -79,7 +79,7 @@ fn nearest(colour: [u8; 3]) -> u8 {
 fn drawing(size: (usize, usize), count: u8, grain: f32, sigma: f32) -> (Soft, Drawing) {
     let (labels, mask) = blobs(size.0, size.1, count, grain);
     let soft = Soft::new(&labels, &mask, count, sigma);
-    let how = Fit { tolerance: 0.08, corner: 0.7, blur: f64::from(sigma.max(0.5)) };
+    let how = Fit { tolerance: 0.08, corner: 0.7, blur: f64::from(sigma.max(0.5)), rounds: 0 };
     let partition = Partition::trace(soft.labels(), |p, q| soft.crossing(p, q), &how);
     let place = Sheet::default().place(size).unwrap();
     let layers = fills(&partition, &soft, &place);

@@ -88,6 +88,13 @@ pub(crate) fn numbered(name: &str, frame: u32) -> String {
     format!("{}{frame:0digits$}{}", &name[..start], &name[start + digits..])
 }
 
+/// The file of a part of a frame: its name with the part's number before the ending.
+pub(crate) fn part_of(file: &Path, part: usize) -> PathBuf {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = file.extension().unwrap_or_default().to_string_lossy();
+    file.with_file_name(format!("{stem}-{part}.{ending}"))
+}
+
 /// What is known of a finished frame.
 #[derive(Serialize, Deserialize, PartialEq)]
 struct Receipt {

@@ -12,10 +12,13 @@ use crate::write;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use serde_json::{Map, Value};
+use std::path::PathBuf;
 
 /// Files and measures of a job's frames; `recipe` is that of a frame.
 pub(crate) struct Frames<'a> {
     target: &'a Target,
+    /// Files a frame, where it is more than one.
+    parts: usize,
     recipe: &'a dyn Fn(u32) -> String,
     outputs: Vec<(u32, Output)>,
     pictures: Vec<(u32, Plane<[u8; 4]>)>,
@@ -25,16 +28,33 @@ pub(crate) struct Frames<'a> {
 impl<'a> Frames<'a> {
     pub(crate) fn new(target: &'a Target, recipe: &'a dyn Fn(u32) -> String) -> Self {
         let (outputs, pictures, counts) = Default::default();
-        Self { target, recipe, outputs, pictures, counts }
+        Self { target, parts: 1, recipe, outputs, pictures, counts }
+    }
+
+    /// The same with so many files a frame: `name-1.png`, `name-2.png`, and so on.
+    pub(crate) fn in_parts(self, parts: usize) -> Self {
+        Self { parts, ..self }
+    }
+
+    /// The files of a frame.
+    fn files(&self, number: u32) -> Vec<PathBuf> {
+        let file = self.target.file(number);
+        match self.parts {
+            1 => vec![file],
+            parts => (1..=parts).map(|part| film::part_of(&file, part)).collect(),
+        }
     }
 
     /// Those of the frames whose files are not there yet.
     pub(crate) fn missing(&mut self, numbers: Vec<u32>) -> Vec<u32> {
         let Target::Pattern(_) = self.target else { return numbers };
         let is_missing = |number: &u32| {
-            let there = film::finished(&self.target.file(*number), &(self.recipe)(*number));
-            let missing = there.is_none();
-            self.outputs.extend(there.map(|output| (*number, output)));
+            let recipe = (self.recipe)(*number);
+            let files = self.files(*number);
+            let there: Vec<_> =
+                files.iter().map_while(|file| film::finished(file, &recipe)).collect();
+            let missing = there.len() < files.len();
+            self.outputs.extend(there.into_iter().filter(|_| !missing).map(|o| (*number, o)));
             missing
         };
         numbers.into_iter().filter(is_missing).collect()
@@ -52,12 +72,24 @@ impl<'a> Frames<'a> {
 
     /// Writes a frame's own file.
     pub(crate) fn write(&mut self, number: u32, bytes: &[u8], run: &Run) -> Result<()> {
-        let file = self.target.file(number);
-        let output = run.stage("write", 1, || match self.target {
-            Target::Pattern(_) => film::write_frame(&file, bytes, &(self.recipe)(number)),
-            _ => write::whole(&file, bytes),
-        })?;
-        self.outputs.push((number, output));
+        self.write_parts(number, &[bytes], run)
+    }
+
+    /// Writes a frame's own files.
+    pub(crate) fn write_parts<B: AsRef<[u8]>>(
+        &mut self,
+        number: u32,
+        parts: &[B],
+        run: &Run,
+    ) -> Result<()> {
+        for (file, bytes) in self.files(number).iter().zip(parts) {
+            let bytes = bytes.as_ref();
+            let output = run.stage("write", 1, || match self.target {
+                Target::Pattern(_) => film::write_frame(file, bytes, &(self.recipe)(number)),
+                _ => write::whole(file, bytes),
+            })?;
+            self.outputs.push((number, output));
+        }
         Ok(())
     }
 

@@ -189,10 +189,12 @@ impl Regions {
         (knobs, place): (&BinaryKnobs, &Placement),
     ) -> Self {
         let soft = Soft::new(labels, covered, count as u8, sigma);
+        let (blur, rounds) = relaxing(sigma);
         let how = Fit {
             tolerance: f64::from(scaled(knobs.vector_tolerance, labels.height())),
             corner: f64::from(knobs.vector_corner).to_radians(),
-            blur: f64::from(sigma.max(0.5)),
+            blur,
+            rounds,
         };
         let partition = Partition::trace(soft.labels(), |p, q| soft.crossing(p, q), &how);
         let mut by_label = vec![Vec::new(); count];
@@ -205,6 +207,21 @@ impl Regions {
         let seams = seams(&partition, soft.labels()).into_iter().map(on_page).collect();
         Self { by_label, seams }
     }
+}
+
+/// Smoothing by less than this, in pixels, leaves the steps of pixels in borders.
+const STEADY: f64 = 1.1;
+
+/// How far borders smoothed by `sigma` pixels are smoothed in all, and the rounds along them that are
+/// wanting; none where nothing is to be smoothed.
+fn relaxing(sigma: f32) -> (f64, u32) {
+    let sigma = f64::from(sigma);
+    if sigma <= 0.0 || sigma >= STEADY {
+        return (sigma.max(0.5), 0);
+    }
+    // A round along the border adds half a pixel's square to the variance.
+    let rounds = (2.0 * (STEADY * STEADY - sigma * sigma)).ceil();
+    (STEADY, rounds as u32)
 }
 
 /// The lines of a map as fills in ink and in paper's colour.
@@ -342,7 +359,7 @@ fn smoothed(path: &Path, step: f64) -> Option<Path> {
         points.pop();
     }
     let corner = std::f64::consts::FRAC_PI_4;
-    fit(&points, path.closed, &Fit { tolerance: STROKE_TOLERANCE, corner, blur: step })
+    fit(&points, path.closed, &Fit { tolerance: STROKE_TOLERANCE, corner, blur: step, rounds: 0 })
 }
 
 fn hex(colour: Colour) -> String {

@@ -106,7 +106,7 @@ impl Job<'_> {
         let mut settings = shot.view_settings();
         settings.extend(self.look.settings(&shot.exposure, encoding));
         let recipe = |number| frame_recipe("binary", settings.clone(), number);
-        let mut frames = Frames::new(&self.target, &recipe);
+        let mut frames = Frames::new(&self.target, &recipe).in_parts(self.look.parts(encoding)?);
         let numbers = self.project.frames();
         // A graph is wanted even where the picture is there.
         let missing = if self.dump_graph.is_some() { numbers } else { frames.missing(numbers) };
@@ -139,7 +139,7 @@ impl Job<'_> {
     }
 }
 
-/// Hands a finished picture over to its file, or to the animation that it is a part of. The `text`
+/// Hands a finished picture over to its files, or to the animation that it is a part of. The `text`
 /// is its title and its recipe.
 pub(crate) fn hand_over(
     frames: &mut Frames<'_>,
@@ -155,8 +155,8 @@ pub(crate) fn hand_over(
         frames.keep(number, shown);
     } else {
         let plates = Plates { look, title, recipe: &recipe };
-        let bytes = run.stage("draw", 1, || plates.bytes(encoding, picture, &mut counts))?;
-        frames.write(number, &bytes, run)?;
+        let files = run.stage("draw", 1, || plates.files(encoding, picture, &mut counts))?;
+        frames.write_parts(number, &files, run)?;
     }
     frames.measured(number, counts);
     Ok(())

@@ -1,12 +1,12 @@
 //! A finished picture as the bytes of a file: PNG, PBM, TIFF or SVG.
 
-use super::stencil::stacked;
+use super::stencil::{sheet_count, stacked};
 use super::{Look, Picture};
 use crate::colours::Colours;
 use crate::film::Target;
 use crate::vector::{self, Plate};
 use chiaro_basis::{Error, Result};
-use chiaro_binary::one_bit;
+use chiaro_binary::{Palette, one_bit};
 use chiaro_image::colour::to_byte;
 use chiaro_image::{Plane, codec};
 use chiaro_ink::Colour;
@@ -50,24 +50,46 @@ pub(crate) struct Plates<'a> {
     pub(crate) recipe: &'a str,
 }
 
+impl Look<'_> {
+    /// How many files a picture becomes: a stencil of several colours is one a sheet where a file holds
+    /// pixels.
+    pub(crate) fn parts(&self, encoding: Encoding) -> Result<usize> {
+        if self.stencil.is_none() || encoding == Encoding::Svg {
+            return Ok(1);
+        }
+        let palette = Palette::parse(&self.knobs.palette, self.colours.ink, self.colours.paper)?;
+        Ok(sheet_count(palette.colours().len()))
+    }
+}
+
 impl Plates<'_> {
-    /// The bytes of a file; how far a pen has to go is added to `counts`.
-    pub(crate) fn bytes(
+    /// The bytes of the files, as many as [`Look::parts`]; how far a pen has to go is added to `counts`.
+    pub(crate) fn files(
         &self,
         encoding: Encoding,
         picture: &Picture,
         counts: &mut Map<String, Value>,
-    ) -> Result<Vec<u8>> {
-        match encoding {
-            Encoding::Svg => self.svg(picture, counts),
-            Encoding::Tiff => {
-                let dpi = self.look.print.sheet.place(picture.covered.size())?.dpi();
-                let bits = self.bits(picture, counts)?;
-                Ok(codec::write_tiff_bits(&bits, dpi, Some(self.recipe)))
-            }
-            Encoding::Pbm => Ok(codec::write_pbm(&self.bits(picture, counts)?)),
-            Encoding::Png => self.png(picture, counts),
+    ) -> Result<Vec<Vec<u8>>> {
+        if encoding == Encoding::Svg {
+            return Ok(vec![self.svg(picture, counts)?]);
         }
+        let dpi = self.look.print.sheet.place(picture.covered.size())?.dpi();
+        let bits = |bits: &Plane<bool>| match encoding {
+            Encoding::Tiff => codec::write_tiff_bits(bits, dpi, Some(self.recipe)),
+            _ => codec::write_pbm(bits),
+        };
+        let Some(sheets) = self.sheets(picture, counts)? else {
+            if encoding == Encoding::Png {
+                return Ok(vec![self.png(&picture.coloured(&self.look.colours), picture)?]);
+            }
+            let paper = self.look.colours.paper_is_white();
+            return Ok(vec![bits(&one_bit(&picture.marks, &picture.lines, paper))]);
+        };
+        let file = |(ink, sheet): &(Colour, Plane<bool>)| match encoding {
+            Encoding::Png => self.png(&self.coloured(*ink, sheet), picture),
+            _ => Ok(bits(sheet)),
+        };
+        sheets.iter().map(file).collect()
     }
 
     /// The picture, or its stencils one below the other, as a screen shows it.
@@ -76,15 +98,10 @@ impl Plates<'_> {
         picture: &Picture,
         counts: &mut Map<String, Value>,
     ) -> Result<Plane<[u8; 4]>> {
-        let colours = &self.look.colours;
-        if self.look.stencil.is_none() {
-            return Ok(picture.coloured(colours));
-        }
-        let paper = colours.paper.map(to_byte);
-        let sheets = self.sheets(picture, counts)?.into_iter().map(|(ink, sheet)| {
-            let ink = ink.map(to_byte);
-            sheet.map(|s| if *s { paper } else { ink })
-        });
+        let Some(sheets) = self.sheets(picture, counts)? else {
+            return Ok(picture.coloured(&self.look.colours));
+        };
+        let sheets = sheets.iter().map(|(ink, sheet)| self.coloured(*ink, sheet));
         Ok(stacked(&sheets.collect::<Vec<_>>()))
     }
 
@@ -93,35 +110,29 @@ impl Plates<'_> {
         &self,
         picture: &Picture,
         counts: &mut Map<String, Value>,
-    ) -> Result<Vec<(Colour, Plane<bool>)>> {
-        let Some(stencil) = &self.look.stencil else { return Ok(Vec::new()) };
+    ) -> Result<Option<Vec<(Colour, Plane<bool>)>>> {
+        let Some(stencil) = &self.look.stencil else { return Ok(None) };
         let place = self.look.print.sheet.place(picture.covered.size())?;
         let how = (&self.look.colours, self.look.knobs);
-        stencil.sheets(picture, how, &place, counts)
+        stencil.sheets(picture, how, &place, counts).map(Some)
     }
 
-    fn png(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
-        let rgba = self.shown(picture, counts)?;
+    /// A sheet in its ink on paper.
+    fn coloured(&self, ink: Colour, sheet: &Plane<bool>) -> Plane<[u8; 4]> {
+        let [ink, paper] = [ink, self.look.colours.paper].map(|c| c.map(to_byte));
+        sheet.map(|s| if *s { paper } else { ink })
+    }
+
+    fn png(&self, rgba: &Plane<[u8; 4]>, picture: &Picture) -> Result<Vec<u8>> {
         if self.look.colours.are_grey() && picture.tint.is_none() {
             return codec::write_png_grey(&rgba.map(|p| p[0]), Some(self.recipe));
         }
-        codec::write_png_rgba(&rgba, Some(self.recipe))
-    }
-
-    /// The picture, or its stencils one below the other, in one bit.
-    fn bits(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Plane<bool>> {
-        if self.look.stencil.is_none() {
-            let paper = self.look.colours.paper_is_white();
-            return Ok(one_bit(&picture.marks, &picture.lines, paper));
-        }
-        let sheets = self.sheets(picture, counts)?.into_iter().map(|(_, sheet)| sheet);
-        Ok(stacked(&sheets.collect::<Vec<_>>()))
+        codec::write_png_rgba(rgba, Some(self.recipe))
     }
 
     fn svg(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
         let (colours, print) = (&self.look.colours, &self.look.print);
-        if let Some(stencil) = &self.look.stencil {
-            let sheets = self.sheets(picture, counts)?;
+        if let (Some(stencil), Some(sheets)) = (&self.look.stencil, self.sheets(picture, counts)?) {
             let text = (self.title, self.recipe);
             return vector::stencil(&sheets, stencil, self.look, text).map(String::into_bytes);
         }

@@ -126,8 +126,13 @@ fn by_lightness(palette: &[Colour]) -> Vec<(usize, Colour)> {
 /// Those that are inks: all but the lightest. A palette of one colour is that ink's.
 fn inks(palette: &[Colour]) -> Vec<(usize, Colour)> {
     let mut all = by_lightness(palette);
-    all.truncate(palette.len().saturating_sub(1).max(1));
+    all.truncate(sheet_count(palette.len()));
     all
+}
+
+/// How many sheets a palette of so many colours has; one without any.
+pub(super) fn sheet_count(colours: usize) -> usize {
+    colours.saturating_sub(1).max(1)
 }
 
 /// The place of the lightest colour of a palette: the paper.

@@ -131,7 +131,7 @@ impl Film<'_> {
         let survey = self.survey(knobs, run)?;
         let settings = self.settings(&survey, encoding)?;
         let recipe = |number| frame_recipe("binary", settings.clone(), number);
-        let mut frames = Frames::new(&self.target, &recipe);
+        let mut frames = Frames::new(&self.target, &recipe).in_parts(self.look.parts(encoding)?);
         let missing = frames.missing(self.sequence.frames.clone());
         let is_wanted: Vec<bool> = self.sequence.shot.iter().map(|n| missing.contains(n)).collect();
         let colours = &self.look.colours;

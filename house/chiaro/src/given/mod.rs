@@ -11,7 +11,7 @@ mod film;
 mod layers;
 mod view;
 
-use crate::binary::{self, Encoding, Look, Picture, Plates};
+use crate::binary::{self, Encoding, Look, Picture, hand_over};
 use crate::disk;
 use crate::film::Target;
 use crate::frames::Frames;
@@ -228,13 +228,10 @@ impl Job<'_> {
         let (picture, exposure) = self.picture(run)?;
         let settings = self.settings(&exposure, encoding);
         let recipe = |_| recipe("binary", settings.clone());
-        let mut frames = Frames::new(&self.target, &recipe);
-        let mut counts = picture.counts.clone();
-        let (title, recipe) = (self.given.file_name(), recipe(1));
-        let plates = Plates { look: &self.look, title: &title, recipe: &recipe };
-        let bytes = run.stage("draw", 1, || plates.bytes(encoding, &picture, &mut counts))?;
-        frames.write(1, &bytes, run)?;
-        frames.measured(1, counts);
+        let mut frames = Frames::new(&self.target, &recipe).in_parts(self.look.parts(encoding)?);
+        let title = self.given.file_name();
+        let text = (title.as_str(), recipe(1));
+        hand_over(&mut frames, (1, &picture), (encoding, &self.look), text, run)?;
         frames.finish(1.0, &mut record, run)?;
         record.settings = settings;
         Ok(record)

@@ -174,7 +174,12 @@ impl Pen<'_> {
 
     fn smooth(&self, points: &[Point], closed: bool) -> Option<Path> {
         let on_page: Vec<Point> = points.iter().map(|p| self.placement.at(*p)).collect();
-        let how = Fit { tolerance: TOLERANCE, corner: CORNER, blur: 0.5 * self.placement.scale };
+        let how = Fit {
+            tolerance: TOLERANCE,
+            corner: CORNER,
+            blur: 0.5 * self.placement.scale,
+            rounds: 0,
+        };
         fit(&on_page, closed, &how)
     }
 }
