@@ -103,6 +103,7 @@ pub fn prepare(
     run.check()?;
     let view = without_channels(view);
     let features = run.stage("lines", pixels, || Features::find(&view.buffer, knobs));
+    let view = without_lines(view);
     run.stage("weights", pixels, || {
         let factors = neighbour_factors(&view.buffer, knobs);
         let covered = view.buffer.covered.clone();
@@ -122,6 +123,18 @@ pub fn prepare(
 fn without_channels(view: Cow<'_, View>) -> Cow<'_, View> {
     match view {
         Cow::Owned(view) => Cow::Owned(View { buffer: view.buffer, channels: Channels::default() }),
+        borrowed => borrowed,
+    }
+}
+
+/// Lets go of what only lines need of the geometry.
+fn without_lines(view: Cow<'_, View>) -> Cow<'_, View> {
+    match view {
+        Cow::Owned(mut view) => {
+            view.buffer.smooth_normal = Plane::default();
+            view.buffer.depth = Plane::default();
+            Cow::Owned(view)
+        }
         borrowed => borrowed,
     }
 }

@@ -206,3 +206,74 @@ fn motion_vectors_of_blender_point_down_and_forth_here() {
     assert_eq!(motion.back[(1, 1)], [1.0, -2.0]);
     assert_eq!(motion.forth.unwrap()[(1, 1)], [-3.0, 4.0]);
 }
+
+/// Five renders, as Blender names their layers, of a ball that moves three pixels a frame before a
+/// wall; `sign` turns its motion vectors round. The film's measures, and its pictures.
+fn film_of_a_ball(folder: &Path, sign: f32) -> (Map<String, Value>, Vec<Plane<bool>>) {
+    let (w, h) = (72, 48);
+    for number in 1..=5u32 {
+        let left = 20.0 + 3.0 * number as f32;
+        let ball = |x: usize, y: usize| {
+            let (u, v) = ((x as f32 + 0.5 - left) / 14.0, (24.0 - y as f32 - 0.5) / 14.0);
+            let z2 = 1.0 - u * u - v * v;
+            (z2 > 0.0).then(|| [u, v, z2.sqrt()])
+        };
+        let plane = |value: &(dyn Fn(Option<[f32; 3]>) -> f32 + Sync)| {
+            ExrChannel::F32(Plane::from_fn(w, h, |x, y| value(ball(x, y))))
+        };
+        // Cryptomatte has hashes, bit by bit.
+        let hash = |n: Option<[f32; 3]>| f32::from_bits(n.map_or(0x3e12_ab34, |_| 0x41c0_0123));
+        let light = |n: Option<[f32; 3]>| n.map_or(0.5, |[x, y, z]| (y - x + z).max(0.0) * 0.5);
+        let moves = |n: Option<[f32; 3]>| n.map_or(0.0, |_| -3.0 * sign);
+        let axis = |i: usize| move |n: Option<[f32; 3]>| n.unwrap_or([0.0, 0.0, 1.0])[i];
+        let layers = [
+            ("Combined.R", plane(&light)),
+            ("Combined.G", plane(&light)),
+            ("Combined.B", plane(&light)),
+            ("Combined.A", plane(&|_| 1.0)),
+            ("Depth.Z", plane(&|n| 10.0 - n.map_or(0.0, |n| 2.0 + n[2]))),
+            ("Normal.X", plane(&axis(0))),
+            ("Normal.Y", plane(&axis(1))),
+            ("Normal.Z", plane(&axis(2))),
+            ("Vector.X", plane(&moves)),
+            ("Vector.Y", plane(&|_| 0.0)),
+            ("Vector.Z", plane(&moves)),
+            ("Vector.W", plane(&|_| 0.0)),
+            ("CryptoObject00.r", plane(&hash)),
+            ("CryptoObject00.g", plane(&|_| 1.0)),
+        ];
+        let layers = layers.map(|(name, plane)| (format!("ViewLayer.{name}"), plane)).to_vec();
+        let bytes = write_exr(&ExrImage { size: (w, h), layers, ..ExrImage::default() }).unwrap();
+        std::fs::write(folder.join(format!("{number:04}.exr")), bytes).unwrap();
+    }
+    let pattern = folder.join("####.exr").display().to_string();
+    let sequence = &Sequence::open(&pattern, Maps::default(), None, None).unwrap();
+    let style = Style::find("ink").unwrap();
+    let target = Target::Pattern(folder.join("out####.png"));
+    let film = Film { sequence, look: Look::of(&style), target, fps: 24.0 };
+    let record = film.run(&Run::default()).unwrap();
+    let white = |output: &crate::record::Output| {
+        let bytes = std::fs::read(&output.path).unwrap();
+        read_colour(&bytes, "out", &Limits::default()).unwrap().map(|p| p[0] > 0.5)
+    };
+    (record.counts, record.outputs.iter().map(white).collect())
+}
+
+#[test]
+fn renders_with_cryptomatte_and_vectors_are_a_film() {
+    let dir = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let (counts, pictures) = film_of_a_ball(dir[0].path(), 1.0);
+    assert_eq!(pictures.len(), 5);
+    for (n, pair) in pictures.windows(2).enumerate() {
+        // The middle of the ball, three pixels on.
+        let left = 23 + 3 * n;
+        let inside = (12..36).flat_map(|y| (left - 9..left + 9).map(move |x| (x, y)));
+        let same = inside.filter(|&(x, y)| pair[0][(x, y)] == pair[1][(x + 3, y)]).count();
+        assert!(same > 24 * 18 * 97 / 100, "{same} of {} in frame {n}", 24 * 18);
+        let shades: Vec<bool> = (12..36).map(|y| pair[0][(left, y)]).collect();
+        assert!(shades.contains(&true) && shades.contains(&false), "the ball is shaded");
+    }
+    let flips = |counts: &Map<String, Value>| counts["flips_per_pixel"].as_f64().unwrap();
+    let (astray, _) = film_of_a_ball(dir[1].path(), -1.0);
+    assert!(flips(&counts) < 0.3 * flips(&astray), "{} {}", flips(&counts), flips(&astray));
+}
