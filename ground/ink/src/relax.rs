@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn nothing_moves_far() {
-        let spike: Vec<Point> = vec![[0.0, 0.0], [9.0, 0.0], [0.0, 1.0], [9.0, 2.0]];
+        let spike: [Point; 4] = [[0.0, 0.0], [9.0, 0.0], [0.0, 1.0], [9.0, 2.0]];
         for (from, to) in spike.iter().zip(relaxed(&spike, true, 20)) {
             assert!((from[0] - to[0]).hypot(from[1] - to[1]) < FARTHEST + 1e-9);
         }
