@@ -6,6 +6,7 @@ use crate::hierarchy::Hierarchy;
 use crate::knob::LightKnobs;
 use crate::near::Reflected;
 use crate::pixel::{self, Gathered, Workspace};
+use crate::records;
 use crate::site::Site;
 use crate::surfel::{Lit, Surfels};
 use crate::tile;
@@ -110,6 +111,9 @@ pub fn prepare<'a>(
     knobs: &LightKnobs,
     run: &Run,
 ) -> Result<Prepared<'a>> {
+    let by_records = knobs.is_by_records();
+    // Records look at the triangles; surfels only tell what was reflected before.
+    let sites = if by_records && knobs.bounces < 2 { &[] } else { sites };
     let mut surfels = Surfels::light(&lit, sites, knobs, run)?;
     let count = surfels.all.len() as u64;
     let grid = SurfelGrid::new(&surfels);
@@ -117,7 +121,8 @@ pub fn prepare<'a>(
     let irradiance = run.stage("direct", count, || {
         bounce(&lit, &mut surfels, &grid, times, knobs.bounce_rays, run)
     })?;
-    let tree = run.stage("tree", count, || Tree::build(&surfels.all));
+    let in_tree = if by_records && !knobs.is_compact() { &[] } else { &surfels.all[..] };
+    let tree = run.stage("tree", in_tree.len() as u64, || Tree::build_by(knobs.hierarchy, in_tree));
     let reflected = Reflected { grid, irradiance: if times > 0 { irradiance } else { Vec::new() } };
     Ok(Prepared { lit, surfels, reflected, tree, knobs: knobs.clone(), shift: 0 })
 }
@@ -129,10 +134,12 @@ pub fn indirect<T: Hierarchy>(
     run: &Run,
 ) -> Result<Indirect> {
     let (width, height) = buffer.size();
-    if scene.knobs.bounces == 0 || scene.tree.is_empty() {
+    let by_records = scene.knobs.is_by_records();
+    if scene.knobs.bounces == 0 || (scene.tree.is_empty() && !by_records) {
         return Ok(Indirect::none(width, height));
     }
     run.stage("gather", (width * height) as u64, || match scene.knobs.error_bound {
+        _ if by_records => records::indirect(scene, buffer, run),
         bound if bound > 0.0 => tile::indirect(scene, buffer, run),
         _ => by_pixel(scene, buffer, run),
     })

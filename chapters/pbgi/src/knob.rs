@@ -39,6 +39,28 @@ choice! {
 }
 
 choice! {
+    /// How a tree in single precision divides space.
+    pub enum Division {
+        /// In two, into bounding spheres.
+        #[default]
+        Spheres = "spheres",
+        /// In eight, into the cells of cubes.
+        Octree = "octree",
+    }
+}
+
+choice! {
+    /// What pixels share.
+    pub enum Sharing {
+        /// Cube buffers, one a tile, and near rays.
+        #[default]
+        Tiles = "tiles",
+        /// Few receivers that look by rays, with gradients.
+        Records = "records",
+    }
+}
+
+choice! {
     /// Whether a sky is added to a scene that has none.
     pub enum OwnSky {
         /// A clear one, outdoors, where a sun is the only light.
@@ -56,6 +78,7 @@ knobs! {
         sampling: Sampling = Sampling::Sequence, Choice(Sampling::WORDS), "6.3.2", "", "sequence: surfels spread evenly by area; poisson: at a least distance from each other (slower)";
         focus: bool = false, Switch, "", "", "whether surfels lie denser where the shot's cameras see them: steadier detail, less of it where gathers are shared";
         tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some ten bytes a surfel, any number of surfels";
+        hierarchy: Division = Division::Spheres, Choice(Division::WORDS), "6.3.2", "", "how a tree that is not compact divides space; spheres: in two; octree: in eight";
         clusters: u32 = 0, Count { min: 0, max: 65536 }, "l (6.5.1)", "words", "a compact tree whose lobes are one word each of a table of so many; 0: the default code";
         max_error: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "6.7", "share", "a compact tree by the smallest book whose error of nodes it has not seen is at most this; 0: the default code";
         book: Teaching = Teaching::Film, Choice(Teaching::WORDS), "6.5.1", "", "film: one book for all frames of a compact tree; frame: one a frame, which may flicker";
@@ -63,6 +86,7 @@ knobs! {
         solid_angle: f32 = 2.0, Number { min: 0.05, max: 64.0 }, "sigma (6.3.2)", "texels", "a node whose sphere looks smaller than this is not opened";
         resolution: u32 = 10, Count { min: 2, max: 64 }, "", "texels", "texels along a side of the cube buffer";
         error_bound: f32 = 0.1, Number { min: 0.0, max: 1.0 }, "", "share", "error allowed by sharing gathers; 0: every pixel gathers by itself";
+        sharing: Sharing = Sharing::Tiles, Choice(Sharing::WORDS), "", "", "tiles: a buffer for each tile of the picture, and near rays; records: few pixels look by rays, those between follow their gradients (quick, for smooth interiors)";
         bounce_rays: u32 = 16, Count { min: 1, max: 1024 }, "", "rays", "rays by which a surfel sees the others";
         side_rays: u32 = 8, Count { min: 0, max: 64 }, "", "rays", "rays by which dead sides are found; 0: all sides live";
         flat_nodes: bool = true, Switch, "", "", "whether flat nodes use the exact cosine";
@@ -80,6 +104,11 @@ impl LightKnobs {
     /// Whether the tree is coded.
     pub fn is_compact(&self) -> bool {
         self.tree == Storage::Compact || self.clusters > 0 || self.max_error > 0.0
+    }
+
+    /// Whether pixels gather by rays alone, shared as records.
+    pub fn is_by_records(&self) -> bool {
+        self.sharing == Sharing::Records && self.error_bound > 0.0
     }
 
     /// Surfels that are lit in full and kept: all, or those that a coded tree learns from.

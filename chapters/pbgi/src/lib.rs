@@ -17,7 +17,8 @@
 //! 5. [`cut`] chooses nodes by solid angle; they are splatted, nearest first, into a cube buffer
 //!    ([`cube`]). The near field is rays on the triangles, not discs ([`near`]).
 //! 6. [`indirect`] shares one buffer among the pixels of a tile ([`tile`]) and short rays among those
-//!    of small blocks; with an error bound of 0 every pixel gathers by itself ([`pixel`]). The same
+//!    of small blocks; with an error bound of 0 every pixel gathers by itself ([`pixel`]); or a few
+//!    pixels look by rays and those between follow their gradients (`records`). The same
 //!    sums tell how open the hemisphere is.
 //!
 //! Units: radiance is linear RGB in the units of the scene's lights (candela per square metre where
@@ -45,6 +46,7 @@ pub mod cut;
 mod field;
 pub mod file;
 mod focus;
+mod gradient;
 pub mod grid;
 pub mod harmonic;
 pub mod hierarchy;
@@ -59,6 +61,7 @@ mod poisson;
 mod pool;
 mod receiver;
 mod recipe;
+mod records;
 pub mod resolve;
 mod rival;
 pub mod side;
@@ -74,7 +77,7 @@ pub use coverage::coverage;
 pub use focus::Focus;
 pub use hierarchy::Hierarchy;
 pub use indirect::{Indirect, Points, Prepared, indirect, prepare};
-pub use knob::{LightKnobs, OwnSky, Sampling, Storage, Teaching};
+pub use knob::{Division, LightKnobs, OwnSky, Sampling, Sharing, Storage, Teaching};
 pub use payload::{Exact, Payload};
 pub use poisson::poisson_sites;
 pub use rival::pooled_paths;

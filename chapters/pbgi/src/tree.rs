@@ -1,8 +1,9 @@
-//! [`Tree`]: a binary hierarchy of bounding spheres over surfels (thesis, 6.3.2, Point Hierarchy).
+//! [`Tree`]: a hierarchy of bounding spheres over surfels (thesis, 6.3.2, Point Hierarchy).
 //!
 //! 1. Surfels are sorted along a Z-curve.
-//! 2. A range of the curve is halved where its highest differing bit changes, down to leaves of at
-//!    most [`LEAF`] surfels.
+//! 2. A range of the curve is halved where its highest differing bit changes, or, in an octree, cut
+//!    wherever its highest differing three bits do: into the cells of a cube. So down to leaves of at most
+//!    [`LEAF`] surfels.
 //! 3. Sums go bottom-up, children in order, subtrees in parallel.
 //! 4. Walks use the same nodes in groups of eight (`wide`); of flat nodes, what they
 //!    send is solved once.
@@ -13,6 +14,7 @@
 //! where it is splatted. Guaranteed: the same bits for any number of threads.
 
 use crate::cut::Faces;
+use crate::knob::Division;
 use crate::payload::{Exact, Payload};
 use crate::surfel::Surfel;
 use crate::wide::{self, Wide};
@@ -65,14 +67,21 @@ pub struct Tree<P: Payload = Exact> {
 }
 
 impl Tree<Exact> {
-    /// Builds the tree over surfels.
+    /// Builds the binary tree over surfels.
     pub fn build(surfels: &[Surfel]) -> Self {
+        Self::build_by(Division::Spheres, surfels)
+    }
+
+    /// Builds the tree over surfels, divided in a way.
+    pub fn build_by(division: Division, surfels: &[Surfel]) -> Self {
         let surfels = sorted(surfels);
         let keys: Vec<u64> = surfels.iter().map(|(key, _)| *key).collect();
         let surfels: Vec<Surfel> = surfels.into_iter().map(|(_, s)| s).collect();
-        let part =
-            if surfels.is_empty() { Part::default() } else { Part::build(&keys, &surfels, 0) };
-        let Part { nodes, payload } = part;
+        let mut part = Part { division, ..Part::default() };
+        if !surfels.is_empty() {
+            part.grow(&keys, &surfels, 0);
+        }
+        let Part { nodes, payload, .. } = part;
         let area: f64 = surfels.iter().map(|s| f64::from(s.area)).sum();
         let mean = area / surfels.len().max(1) as f64;
         let leaf_radius = (mean / std::f64::consts::PI).sqrt() as f32;
@@ -123,11 +132,13 @@ fn interleave(coordinate: f32) -> u64 {
 /// A subtree, its nodes in depth-first order.
 #[derive(Default)]
 struct Part {
+    division: Division,
     nodes: Vec<Node>,
     payload: Vec<Exact>,
 }
 
 /// What a subtree hands to its parent.
+#[derive(Clone)]
 struct Summary {
     low: Vec3,
     high: Vec3,
@@ -136,12 +147,6 @@ struct Summary {
 }
 
 impl Part {
-    fn build(keys: &[u64], surfels: &[Surfel], first: u32) -> Self {
-        let mut part = Self::default();
-        part.grow(keys, surfels, first);
-        part
-    }
-
     /// Adds the subtree over a range of surfels.
     fn grow(&mut self, keys: &[u64], surfels: &[Surfel], first: u32) -> Summary {
         if surfels.len() <= LEAF {
@@ -150,48 +155,78 @@ impl Part {
             self.payload.push(summary.payload);
             return summary;
         }
-        let middle = split(keys);
         let place = self.nodes.len();
         self.nodes.push(Node::default());
         self.payload.push(Exact::default());
-        let (left_keys, right_keys) = keys.split_at(middle);
-        let (left_surfels, right_surfels) = surfels.split_at(middle);
-        let right_first = first + middle as u32;
-        let (left, right) = if surfels.len() > ALONE {
-            let apart = |keys, surfels, first| {
-                let mut part = Self::default();
-                let summary = part.grow(keys, surfels, first);
+        let (ends, count) = match self.division {
+            Division::Spheres => halves(keys),
+            Division::Octree => cells(keys),
+        };
+        let range = |i: usize| if i == 0 { 0..ends[0] } else { ends[i - 1]..ends[i] };
+        let below = |part: &mut Self, i: usize| {
+            let range = range(i);
+            let first = first + range.start as u32;
+            part.grow(&keys[range.clone()], &surfels[range], first)
+        };
+        let children: Vec<Summary> = if surfels.len() > ALONE {
+            let apart = |i| {
+                let mut part = Self { division: self.division, ..Self::default() };
+                let summary = below(&mut part, i);
                 (part, summary)
             };
-            let (l, r) = rayon::join(
-                || apart(left_keys, left_surfels, first),
-                || apart(right_keys, right_surfels, right_first),
-            );
-            for part in [l.0, r.0] {
+            let parts: Vec<_> = (0..count).into_par_iter().map(apart).collect();
+            let join = |(part, summary): (Self, Summary)| {
                 self.nodes.extend(part.nodes);
                 self.payload.extend(part.payload);
-            }
-            (l.1, r.1)
+                summary
+            };
+            parts.into_iter().map(join).collect()
         } else {
-            let left = self.grow(left_keys, left_surfels, first);
-            (left, self.grow(right_keys, right_surfels, right_first))
+            (0..count).map(|i| below(self, i)).collect()
         };
-        let size = (self.nodes.len() - place) as u32;
-        let summary = inner(&left, &right, size, first);
+        let mut summary = children[1..].iter().fold(children[0].clone(), |a, b| inner(&a, b));
+        if count > 2 {
+            (summary.node.centre, summary.node.radius) = around(&summary, &children);
+        }
+        summary.node =
+            Node { size: (self.nodes.len() - place) as u32, first, count: 0, ..summary.node };
         self.nodes[place] = summary.node;
         self.payload[place] = summary.payload;
         summary
     }
 }
 
-/// Where the highest differing bit changes; the middle of equal keys.
-fn split(keys: &[u64]) -> usize {
+/// Where the parts of a range end, and how many there are.
+type Ends = ([usize; 8], usize);
+
+/// Two parts: where the highest differing bit changes; the halves of equal keys.
+fn halves(keys: &[u64]) -> Ends {
+    let (first, last) = (keys[0], keys[keys.len() - 1]);
+    let mut ends = [keys.len(); 8];
+    ends[0] = if first == last {
+        keys.len() / 2
+    } else {
+        let bit = 63 - (first ^ last).leading_zeros();
+        keys.partition_point(|k| k >> bit == first >> bit)
+    };
+    (ends, 2)
+}
+
+/// Up to eight parts: the cells of the smallest cube of the curve that holds all keys.
+fn cells(keys: &[u64]) -> Ends {
     let (first, last) = (keys[0], keys[keys.len() - 1]);
     if first == last {
-        return keys.len() / 2;
+        return halves(keys);
     }
-    let bit = 63 - (first ^ last).leading_zeros();
-    keys.partition_point(|k| k >> bit == first >> bit)
+    let shift = (63 - (first ^ last).leading_zeros()) / 3 * 3;
+    let (mut ends, mut count, mut start) = ([keys.len(); 8], 0, 0);
+    while start < keys.len() {
+        let cell = keys[start] >> shift;
+        start += keys[start..].partition_point(|k| k >> shift == cell);
+        ends[count] = start;
+        count += 1;
+    }
+    (ends, count)
 }
 
 fn leaf(surfels: &[Surfel], first: u32) -> Summary {
@@ -222,23 +257,24 @@ fn leaf(surfels: &[Surfel], first: u32) -> Summary {
     Summary { low, high, node, payload }
 }
 
-fn inner(left: &Summary, right: &Summary, size: u32, first: u32) -> Summary {
+/// Two subtrees, side by side.
+fn inner(left: &Summary, right: &Summary) -> Summary {
     let (low, high) = (left.low.min(right.low), left.high.max(right.high));
     let (l, r) = (&left.node, &right.node);
     let area = l.area + r.area;
     let t = if area > 0.0 { r.area / area } else { 0.5 };
     let (centre, radius) = sphere(l, r, low, high);
-    let node = Node {
-        centre,
-        radius,
-        mean: l.mean.lerp(r.mean, t),
-        area,
-        axis: l.axis.lerp(r.axis, t),
-        size,
-        first,
-        count: 0,
-    };
+    let (mean, axis) = (l.mean.lerp(r.mean, t), l.axis.lerp(r.axis, t));
+    let node = Node { centre, radius, mean, area, axis, ..Node::default() };
     Summary { low, high, node, payload: left.payload.plus(&right.payload) }
+}
+
+/// A sphere around the box of many subtrees, not larger than their own spheres ask.
+fn around(all: &Summary, children: &[Summary]) -> (Vec3, f32) {
+    let centre = 0.5 * (all.low + all.high);
+    let reach = |c: &Summary| c.node.centre.distance(centre) + c.node.radius;
+    let radius = children.iter().map(reach).fold(0.0, f32::max);
+    (centre, radius.min(0.5 * all.high.distance(all.low)))
 }
 
 /// The smaller of the sphere around two spheres and the sphere around the box.
@@ -280,7 +316,12 @@ mod tests {
 
     #[test]
     fn every_node_bounds_and_sums_what_is_below_it() {
-        let tree = Tree::build(&cloud(3000));
+        for division in [Division::Spheres, Division::Octree] {
+            bounds_and_sums(&Tree::build_by(division, &cloud(3000)));
+        }
+    }
+
+    fn bounds_and_sums(tree: &Tree) {
         for (i, node) in tree.nodes.iter().enumerate() {
             let below = &tree.nodes[i..i + node.size as usize];
             let leaves = below.iter().filter(|n| n.count > 0);
@@ -299,13 +340,40 @@ mod tests {
     #[test]
     fn the_tree_has_the_same_bits_for_any_number_of_threads() {
         let surfels = cloud(30_000);
-        let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| Tree::build(&surfels))
-        };
-        let (a, b) = (on(1), on(4));
-        assert_eq!(a.payload, b.payload);
-        assert!(a.nodes.iter().zip(&b.nodes).all(|(a, b)| a.mean == b.mean && a.size == b.size));
+        for division in [Division::Spheres, Division::Octree] {
+            let on = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| Tree::build_by(division, &surfels))
+            };
+            let (a, b) = (on(1), on(4));
+            let same = |(a, b): (&Node, &Node)| a.mean == b.mean && a.size == b.size;
+            assert_eq!(a.payload, b.payload);
+            assert!(a.nodes.iter().zip(&b.nodes).all(same));
+        }
+    }
+
+    #[test]
+    fn an_octree_s_nodes_are_the_cells_of_cubes_and_sum_to_the_same() {
+        let surfels = cloud(5000);
+        let [binary, octree] =
+            [Division::Spheres, Division::Octree].map(|d| Tree::build_by(d, &surfels));
+        let places = |t: &Tree| t.surfels.iter().map(|s| s.position).collect::<Vec<_>>();
+        assert_eq!(places(&binary), places(&octree));
+        assert!(octree.nodes.len() < binary.nodes.len());
+        let light = |t: &Tree| t.payload[0].light[0];
+        let both = light(&binary).into_iter().zip(light(&octree));
+        both.for_each(|(a, b)| assert!((a - b).abs() < 1e-3 * a.abs().max(0.1), "{a} {b}"));
+        // Eight children below the root, each in its own octant.
+        let (mut children, mut at) = (Vec::new(), 1);
+        while at < octree.nodes.len() {
+            children.push(octree.nodes[at].mean);
+            at += octree.nodes[at].size as usize;
+        }
+        let signs = |v: &Vec3| [0, 1, 2].map(|c| v[c] > 0.0);
+        let mut octants: Vec<_> = children.iter().map(signs).collect();
+        octants.sort_unstable();
+        octants.dedup();
+        assert_eq!((children.len(), octants.len()), (8, 8));
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! [`Wide`]: nodes of a binary tree in groups of eight, side by side, for walks that test eight
+//! [`Wide`]: nodes of a tree in groups of eight, side by side, for walks that test eight
 //! spheres at once.
 //!
-//! A group holds the two nodes below one node, then those below the largest of these, and so on
-//! until there are eight. Groups lie in breadth-first order; the nodes of a group in the tree's.
+//! A group holds the nodes below one node, then those below the largest of these that still have room,
+//! and so on. Groups lie in breadth-first order; the nodes of a group in the tree's.
 //! Every node but the root is in one group, so that a walk judges the nodes that it would judge one by
 //! one, and some below those that it does not open. Made once from a tree, from nothing else.
 
@@ -67,22 +67,43 @@ fn members(nodes: &[Node], root: u32) -> ([u32; LANES], usize) {
     if nodes[root as usize].count > 0 {
         return (members, 1);
     }
-    let children = |of: u32| [of + 1, of + 1 + nodes[of as usize + 1].size];
-    members[..2].copy_from_slice(&children(root));
-    let mut count = 2;
+    let mut count = insert(nodes, root, &mut members, 0);
     let mut opened = [false; LANES];
-    while count + 2 <= LANES {
+    loop {
         let node = |i: usize| &nodes[members[i] as usize];
-        let inner = (0..count).filter(|&i| !opened[i] && node(i).count == 0);
-        let Some(largest) = inner.max_by(|&a, &b| node(a).radius.total_cmp(&node(b).radius)) else {
-            break;
+        let fits = |i: usize| {
+            !opened[i] && node(i).count == 0 && count + children(nodes, members[i]).count() <= LANES
         };
-        let below = children(members[largest]);
-        members.copy_within(largest + 1..count, largest + 3);
-        opened.copy_within(largest + 1..count, largest + 3);
-        members[largest + 1..largest + 3].copy_from_slice(&below);
-        opened[largest..largest + 3].copy_from_slice(&[true, false, false]);
-        count += 2;
+        let all = (0..count).filter(|&i| fits(i));
+        let Some(largest) = all.max_by(|&a, &b| node(a).radius.total_cmp(&node(b).radius)) else {
+            return (members, count);
+        };
+        let (mut tail, mut tail_opened, rest) = (members, opened, count - largest - 1);
+        tail.copy_within(largest + 1..count, 0);
+        tail_opened.copy_within(largest + 1..count, 0);
+        opened[largest] = true;
+        let end = insert(nodes, members[largest], &mut members, largest + 1);
+        members[end..end + rest].copy_from_slice(&tail[..rest]);
+        opened[largest + 1..end].fill(false);
+        opened[end..end + rest].copy_from_slice(&tail_opened[..rest]);
+        count = end + rest;
     }
-    (members, count)
+}
+
+/// Writes the nodes below a node from a place on; the place after them.
+fn insert(nodes: &[Node], of: u32, members: &mut [u32; LANES], from: usize) -> usize {
+    children(nodes, of).fold(from, |place, child| {
+        members[place] = child;
+        place + 1
+    })
+}
+
+/// The nodes below a node.
+fn children(nodes: &[Node], of: u32) -> impl Iterator<Item = u32> {
+    let end = of + nodes[of as usize].size;
+    let next = move |child: &u32| {
+        let next = child + nodes[*child as usize].size;
+        (next < end).then_some(next)
+    };
+    std::iter::successors(Some(of + 1), next)
 }

@@ -2,8 +2,8 @@
 //! itself, and path tracing; how much tiles change when the pattern of near rays is moved.
 //!
 //! `cargo bench -p chiaro --bench light -- SCENE... [way=NAME...] [knob=value...]`. Scenes are paths
-//! or procedural ones; without any, those that need no file. Ways: tiles, shifted, pixel,
-//! pathsN, and pooledN (paths with the pools of tiles; movedN by another pattern).
+//! or procedural ones; without any, those that need no file. Ways: tiles, shifted (by another pattern),
+//! records, rearranged (records by another pattern), pixel, octree (pixel by that), pathsN, and pooledN (paths with the pools of tiles; movedN by another pattern).
 //! `size=N`, `paths=N` (half of the reference's), `pictures=FOLDER`.
 
 #![allow(clippy::print_stdout)]
@@ -13,7 +13,7 @@ use chiaro::{Options, Project};
 use chiaro_basis::{Knobs, Run};
 use chiaro_image::sheet::Sheet;
 use chiaro_image::{Plane, codec, metric};
-use chiaro_pbgi::{LightKnobs, OwnSky};
+use chiaro_pbgi::{Division, LightKnobs, OwnSky, Sharing};
 use std::path::Path;
 
 fn main() {
@@ -69,7 +69,7 @@ fn main() {
         }
         let named =
             |name: &str| ways.iter().position(|w| w.name.starts_with(name)).map(|i| &found[i]);
-        for pair in [["tiles", "shifted"], ["pooled", "moved"]] {
+        for pair in [["tiles", "shifted"], ["records", "rearranged"], ["pooled", "moved"]] {
             if let [Some(a), Some(b)] = pair.map(named) {
                 let change = metric::rmse_relative(&b.irradiance, &a.irradiance, &truth.covered);
                 let change = 100.0 * change.expect("sizes agree").unwrap_or(0.0);
@@ -89,6 +89,10 @@ fn way(name: &str, knobs: &LightKnobs) -> Way {
     };
     let (knobs, paths) = match name {
         "pixel" => (per_pixel, None),
+        "octree" => (LightKnobs { hierarchy: Division::Octree, ..per_pixel }, None),
+        "records" | "rearranged" => {
+            (LightKnobs { sharing: Sharing::Records, ..knobs.clone() }, None)
+        }
         _ => {
             let number = ["paths", "pooled", "moved"].iter().find_map(|w| name.strip_prefix(w));
             (knobs.clone(), number.map(|n| n.parse().expect("paths")))
@@ -96,7 +100,8 @@ fn way(name: &str, knobs: &LightKnobs) -> Way {
     };
     let moved = name.starts_with("moved");
     let pooled = moved || name.starts_with("pooled");
-    Way { name: name.into(), knobs, paths, pooled, shift: u32::from(moved || name == "shifted") }
+    let shift = u32::from(moved || ["shifted", "rearranged"].contains(&name));
+    Way { name: name.into(), knobs, paths, pooled, shift }
 }
 
 /// The truth, the picture, and ten times their difference round grey, side by side.
