@@ -11,7 +11,7 @@ use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
 use crate::near;
 use chiaro_basis::math::Vec3;
-use chiaro_trace::{Sequence, Sides, Vertex};
+use chiaro_trace::{Hit, Ray, Sequence, Sides, Vertex};
 use std::f32::consts::{PI, TAU};
 
 /// The cells of a hemisphere: rows from the pole to the horizon, columns around it.
@@ -45,6 +45,8 @@ pub(crate) struct Cells {
     all: Vec<(Light, f32)>,
 }
 
+/// Spacings of surfels within which hits are lit by themselves.
+const NEAR: f32 = 6.0;
 /// Patterns of rays that alternate.
 const PATTERNS: usize = 16;
 /// Extrapolation changes light by this share of it at most.
@@ -83,19 +85,15 @@ impl Hemisphere {
             if direction.dot(at.side) <= 0.0 {
                 return ([0.0; 4], f32::INFINITY);
             }
-            let hit = scene.lit.tracer.hit(&at.ray(direction, f32::INFINITY), Sides::Both);
+            let ray = at.ray(direction, f32::INFINITY);
+            let hit = scene.lit.tracer.hit(&ray, Sides::Both);
             let Some(hit) = hit else { return ([0.0, 0.0, 0.0, 1.0], f32::INFINITY) };
-            let (lit, surfels, reflected) = (&scene.lit, &scene.surfels, &scene.reflected);
-            let met = near::shade(
-                lit,
-                surfels,
-                reflected,
-                &hit,
-                direction,
-                &self.sequence,
-                (k * PATTERNS + pattern) as u32,
-            );
-            let [r, g, b] = met.radiance;
+            let [r, g, b] = far_radiance(scene, &ray, &hit).unwrap_or_else(|| {
+                let index = (k * PATTERNS + pattern) as u32;
+                let (lit, surfels, reflected) = (&scene.lit, &scene.surfels, &scene.reflected);
+                near::shade(lit, surfels, reflected, &hit, direction, &self.sequence, index)
+                    .radiance
+            });
             ([r, g, b, if hit.t < occlusion { 0.0 } else { 1.0 }], hit.t)
         };
         cells.all.clear();
@@ -167,7 +165,28 @@ impl Hemisphere {
     }
 }
 
+/// What the surfel nearest to a hit sends, which is less noisy than one shadow ray; `None` where the hit is
+/// so near that the surfels' spacing would show, or no surfel is there.
+fn far_radiance<T: Hierarchy>(scene: &Prepared<T>, ray: &Ray, hit: &Hit) -> Option<[f32; 3]> {
+    if hit.t < NEAR * scene.surfels.spacing {
+        return None;
+    }
+    let [a, b, c] = scene.lit.tracer.corners(hit.object, hit.face);
+    let face = (b - a).cross(c - a).normalize_or_zero();
+    let facing = if face.dot(ray.direction) > 0.0 { -face } else { face };
+    let point = ray.origin + ray.direction * hit.t;
+    let (index, side) = scene.reflected.grid.nearest(&scene.surfels, point, facing)?;
+    Some(scene.surfels.all[index as usize].radiance[side])
+}
+
 impl IrradianceRecord {
+    /// About how wrong what it foretells is at a distance, if gradients change over the distance of what is
+    /// around.
+    pub(crate) fn doubt(&self, distance: f32) -> f32 {
+        let moved = (self.moved[0] + self.moved[1] + self.moved[2]) / 3.0;
+        0.5 * moved.length() * distance * distance / self.clearance.max(f32::MIN_POSITIVE)
+    }
+
     /// What a receiver near this one is expected to receive.
     pub(crate) fn at(&self, position: Vec3, normal: Vec3) -> Light {
         let (step, turn) = (position - self.position, normal - self.normal);
@@ -183,8 +202,8 @@ impl IrradianceRecord {
 mod tests {
     use super::*;
     use crate::knob::{LightKnobs, Sharing};
-    use crate::prepare;
     use crate::surfel::Lit;
+    use crate::{prepare, sites};
     use chiaro_basis::Run;
     use chiaro_scene::{Poser, demo};
     use chiaro_trace::{GBuffer, Glow, Lights, Surfaces, Tracer};
@@ -202,7 +221,7 @@ mod tests {
         let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
         let run = Run::default();
         let knobs = LightKnobs { sharing: Sharing::Records, bounces: 1, ..LightKnobs::default() };
-        let prepared = prepare(lit, &[], &knobs, &run).unwrap();
+        let prepared = prepare(lit, &sites(&scene, &frame, 5000), &knobs, &run).unwrap();
         let buffer = GBuffer::trace(&tracer, &surfaces, &frame.cameras[0], (12, 12), &run).unwrap();
         let hemisphere = Hemisphere::new(2048, 0);
         let mut cells = Cells::default();

@@ -112,9 +112,10 @@ pub fn prepare<'a>(
     run: &Run,
 ) -> Result<Prepared<'a>> {
     let by_records = knobs.is_by_records();
-    // Records look at the triangles; surfels only tell what was reflected before.
-    let sites = if by_records && knobs.bounces < 2 { &[] } else { sites };
-    let mut surfels = Surfels::light(&lit, sites, knobs, run)?;
+    // Rays meet sides as they are; dead ones need not be known but to spare bounces.
+    let side_rays = if by_records && knobs.bounces < 2 { 0 } else { knobs.side_rays };
+    let tested = LightKnobs { side_rays, ..knobs.clone() };
+    let mut surfels = Surfels::light(&lit, sites, &tested, run)?;
     let count = surfels.all.len() as u64;
     let grid = SurfelGrid::new(&surfels);
     let times = knobs.bounces.saturating_sub(1);

@@ -2,13 +2,13 @@
 //!
 //! 1. The picture is cut into squares of 16 pixels; in each, one pixel becomes a record (`gradient`).
 //! 2. A square is quartered where its record differs from what the records before it, with their gradients,
-//!    foretell, by more than a bound; and where some of its pixels see no record on a surface like their
-//!    own. So on, down to single pixels.
+//!    foretell, by more than a bound; where the record's own gradient cannot be trusted to its corners; and
+//!    where some of its pixels see no record on a surface like their own. So on, down to single pixels.
 //! 3. A pixel is the mean of what the records around it foretell, weighed by nearness in the picture,
 //!    likeness of normals, and how near they are to its plane. How far records reach shrinks
 //!    smoothly towards where they are dense.
 //!
-//! No tree is needed, and of surfels only the light that they received from each other. Best on smooth interiors and for
+//! Surfels tell what far hits send; no tree is needed. Best on smooth interiors and for
 //! quick looks; foliage makes nearly every pixel a record. Guaranteed: the same bits for any number of
 //! threads, since each round of squares uses only the records of rounds before.
 
@@ -41,6 +41,8 @@ const BIN: usize = 8;
 const RAYS: f32 = 256.0;
 const TOLERANCE: f32 = 2.0;
 const USUAL_BOUND: f32 = 0.1;
+/// The share of that difference over which a record's doubt at the edge of its square quarters it.
+const DOUBTED: f32 = 0.25;
 /// The weight under which records within reach say too little.
 const LEAST_WEIGHT: f32 = 1e-3;
 
@@ -126,10 +128,13 @@ pub(crate) fn indirect<T: Hierarchy>(
                     let (square, pixel) = squares[i];
                     let own = coarsest.then_some(i as u32);
                     let reach = if coarsest { FARTHEST } else { 2.0 * REACH * square.side as f32 };
-                    let foretold = net.foretold(&net.asker(pixel), reach, own).light();
-                    foretold.is_some_and(|f| {
-                        (grey(&f) - grey(&records[i].light)).abs() > TOLERANCE * bound * mean
-                    })
+                    let asker = net.asker(pixel);
+                    let most = TOLERANCE * bound * mean;
+                    let half = 0.5 * square.side as f32 * asker.footprint;
+                    let foretold = net.foretold(&asker, reach, own).light();
+                    records[i].doubt(half) > DOUBTED * most
+                        || foretold
+                            .is_some_and(|f| (grey(&f) - grey(&records[i].light)).abs() > most)
                 })
                 .collect()
         };

@@ -5,7 +5,7 @@
 use chiaro_basis::math::{Vec3, vec3};
 use chiaro_basis::{Run, random};
 use chiaro_image::{Plane, metric};
-use chiaro_pbgi::{LightKnobs, Lit, indirect, pooled_paths, prepare, sites};
+use chiaro_pbgi::{Division, LightKnobs, Lit, Sharing, indirect, pooled_paths, prepare, sites};
 use chiaro_scene::load::{Budget, Door, Up, read_scene};
 use chiaro_scene::{Pose, Poser, Projection, Scene, demo};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
@@ -73,6 +73,41 @@ fn shared_gathers_agree_with_those_of_every_pixel() {
             |p: &Plane<[f32; 3]>| p.pixels().iter().flatten().map(|e| f64::from(*e)).sum::<f64>();
         let mean = sum(&shared) / sum(&alone);
         assert!(apart < 0.15 && (mean - 1.0).abs() < 0.05, "{apart} {mean}");
+    })
+}
+
+/// Records against every pixel by itself, and against themselves on other numbers of threads.
+#[test]
+fn records_with_gradients_agree_with_gathers_of_every_pixel() {
+    in_the_box(|scene, lit, run| {
+        let buffer = seen(lit, run);
+        let truth = truth(lit, &buffer, run);
+        let usual = LightKnobs { surfels: 20_000, bounces: 1, ..LightKnobs::default() };
+        let records = LightKnobs { sharing: Sharing::Records, ..usual.clone() };
+        let alone = LightKnobs { error_bound: 0.0, ..records.clone() };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| by_points(scene, lit, &records, run))
+        };
+        let shared = on(1);
+        assert_eq!(shared, on(3));
+        let alone = by_points(scene, lit, &alone, run);
+        let apart = metric::rmse_relative(&shared, &alone, &buffer.covered).unwrap().unwrap();
+        let error = error(&shared, &truth, &buffer);
+        assert!(apart < 0.15 && error < 0.12, "{apart} {error}");
+    })
+}
+
+/// An octree over the same surfels gives the light of the binary tree.
+#[test]
+fn an_octree_gives_the_light_of_the_binary_tree() {
+    in_the_box(|scene, lit, run| {
+        let buffer = seen(lit, run);
+        let usual = LightKnobs { surfels: 20_000, bounces: 1, ..LightKnobs::default() };
+        let octree = LightKnobs { hierarchy: Division::Octree, ..usual.clone() };
+        let [binary, octree] = [usual, octree].map(|k| by_points(scene, lit, &k, run));
+        let apart = metric::rmse_relative(&octree, &binary, &buffer.covered).unwrap().unwrap();
+        assert!(apart > 0.0 && apart < 0.03, "{apart}");
     })
 }
 

@@ -9,7 +9,7 @@ use chiaro_image::Plane;
 use chiaro_image::colour::{srgb_encode, to_byte};
 use chiaro_image::sheet::Sheet;
 use chiaro_ink::Polyline;
-use chiaro_pbgi::{LightKnobs, OwnSky};
+use chiaro_pbgi::{Division, LightKnobs, OwnSky, Sharing};
 use serde_json::{Value, json};
 
 /// Scenes when none is named.
@@ -24,11 +24,14 @@ const PLOT: (usize, usize) = (480, 360);
 /// Processor seconds and errors at the ends of the axes.
 const SECONDS: [f64; 2] = [0.05, 100.0];
 const ERRORS: [f64; 2] = [0.01, 1.0];
+/// Error bounds of shared gathers.
+const BOUNDS: [f32; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
+const ORANGE: Colour = [0.95, 0.55, 0.1];
 const BLUE: Colour = [0.1, 0.3, 0.8];
 const GREEN: Colour = [0.1, 0.55, 0.2];
 
-/// Pictures of one scene by every pixel's own gather, with all rules and with each left out, and
-/// tiles; each beside ten times its difference from the truth.
+/// Pictures of one scene by every pixel's own gather, with all rules and with each left out, by
+/// tiles, and by records; each beside ten times its difference from the truth.
 pub(super) fn rules(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Value>> {
     let usual = LightKnobs { bounces: 1, sky: OwnSky::None, ..LightKnobs::default() };
     let all = LightKnobs { error_bound: 0.0, resolution: 8, solid_angle: 1.0, ..usual.clone() };
@@ -36,9 +39,11 @@ pub(super) fn rules(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Val
         ("every rule", all.clone()),
         ("discs near, no rays", LightKnobs { near_field: false, ..all.clone() }),
         ("no flat nodes", LightKnobs { flat_nodes: false, ..all.clone() }),
-        ("no dead sides", LightKnobs { side_rays: 0, ..all }),
+        ("no dead sides", LightKnobs { side_rays: 0, ..all.clone() }),
+        ("every rule, an octree", LightKnobs { hierarchy: Division::Octree, ..all }),
         ("shared by tiles", usual.clone()),
-        ("the same without near rays", LightKnobs { near_field: false, ..usual }),
+        ("the same without near rays", LightKnobs { near_field: false, ..usual.clone() }),
+        ("records with gradients", LightKnobs { sharing: Sharing::Records, ..usual }),
     ];
     let ways = ways.map(|(name, knobs)| Way {
         name: name.into(),
@@ -56,17 +61,19 @@ pub(super) fn rules(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Val
     Ok(ways.iter().zip(&found).map(|(w, o)| value(scene, w, o)).collect())
 }
 
-/// Error over processor time of tiles at several error bounds, of plain path tracing, and of path
-/// tracing whose hits are pooled as those of tiles are.
+/// Error over processor time of tiles and of records at several error bounds, of plain path tracing, and of
+/// path tracing whose hits are pooled as those of tiles are.
 pub(super) fn curves(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Value>> {
     let usual = LightKnobs { bounces: 1, sky: OwnSky::None, ..LightKnobs::default() };
-    let tiles = [0.4, 0.2, 0.1, 0.05, 0.025].map(|error_bound| Way {
-        name: format!("tiles, error_bound {error_bound}"),
-        knobs: LightKnobs { error_bound, ..usual.clone() },
-        paths: None,
-        pooled: false,
-        shift: 0,
-    });
+    let shared = |sharing: Sharing| {
+        BOUNDS.map(|error_bound| Way {
+            name: format!("{}, error_bound {error_bound}", sharing.word()),
+            knobs: LightKnobs { error_bound, sharing, ..usual.clone() },
+            paths: None,
+            pooled: false,
+            shift: 0,
+        })
+    };
     let paths = |name: &str, pooled: bool, n: u32| Way {
         name: format!("{n} {name}"),
         knobs: usual.clone(),
@@ -76,21 +83,27 @@ pub(super) fn curves(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Va
     };
     let plain = [2, 8, 32, 128, 512].map(|n| paths("paths", false, n));
     let pooled = [2, 8, 32, 128].map(|n| paths("pooled paths", true, n));
-    let ends = [tiles.len(), tiles.len() + plain.len()];
-    let ways: Vec<Way> = tiles.into_iter().chain(plain).chain(pooled).collect();
+    let [tiles, records] = [Sharing::Tiles, Sharing::Records].map(shared);
+    let lengths = [tiles.len(), records.len(), plain.len(), pooled.len()];
+    let ways: Vec<Way> = tiles.into_iter().chain(records).chain(plain).chain(pooled).collect();
     let (_, found) = measured(scene, TIMED, &ways, run)?;
-    let by_tiles = &found[..ends[0]];
     let name = scene.rsplit(['/', ':']).next().unwrap_or(scene);
-    let best = by_tiles.iter().map(|o| o.error).fold(f64::INFINITY, f64::min);
+    let least = |some: &[Outcome]| some.iter().map(|o| 100.0 * o.error).fold(f64::INFINITY, f64::min);
+    let mut rest = &found[..];
+    let series = lengths.map(|n| {
+        let (some, more) = rest.split_at(n);
+        rest = more;
+        some
+    });
     let text = format!(
-        "{name}: red tiles, blue paths, green pooled paths; least of tiles {:.1} %",
-        100.0 * best
+        "{name}: red tiles (least {:.1} %), orange records ({:.1} %), blue paths, green pooled paths; \
+         1 to 100 % over 0.05 to 100 s",
+        least(series[0]),
+        least(series[1])
     );
-    sheet.add(
-        plot(&[(by_tiles, RED), (&found[ends[0]..ends[1]], BLUE), (&found[ends[1]..], GREEN)])
-            .done(),
-        text,
-    );
+    let [tiles, records, plain, pooled] = series;
+    let drawn = plot(&[(tiles, RED), (records, ORANGE), (plain, BLUE), (pooled, GREEN)]);
+    sheet.add(drawn.done(), text);
     Ok(ways.iter().zip(&found).map(|(w, o)| value(scene, w, o)).collect())
 }
 

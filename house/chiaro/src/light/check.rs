@@ -13,16 +13,14 @@ use chiaro_trace::GBuffer;
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use serde_json::{Map, Value, json};
 
-/// Paths a pixel of the reference, at most, at least, and in a batch.
-const MOST_SAMPLES: u32 = 2048;
-const LEAST_SAMPLES: u32 = 512;
+/// Paths a pixel of the reference, at most, and in a batch.
+const MOST_SAMPLES: u32 = 8192;
 const BATCH: u32 = 64;
-/// The reference's own error over the error that is measured: with a fifth it no longer matters; from
-/// LEAST_SAMPLES on a half is enough, for it is known, and subtracted.
+/// The reference's own error over the error that is measured, at most.
 const SURE: f64 = 0.2;
-const KNOWN: f64 = 0.5;
 
-/// Errors of irradiance at pixel centres against a path-traced reference. The relative error is
+/// Errors of irradiance at pixel centres against a path-traced reference, which goes on until its own error is a
+/// fifth of what is measured; a warning where it does not get there. The relative error is
 /// without the reference's own, whose mean square is known from the spread of its batches and is taken away.
 pub(super) fn against_paths(
     shot: &Shot,
@@ -50,7 +48,6 @@ pub(super) fn against_paths(
         let sure = reference.relative_error(&buffer.covered);
         let error = both.map(|b| (b * b - sure.map_or(0.0, |s| s * s)).max(0.0).sqrt());
         let enough = match (error, sure) {
-            (Some(e), Some(s)) if reference.samples() >= LEAST_SAMPLES => s <= KNOWN * e,
             (Some(e), Some(s)) => s <= SURE * e,
             (None, _) => reference.samples() >= 2 * BATCH,
             _ => false,
@@ -63,8 +60,8 @@ pub(super) fn against_paths(
         && own > SURE * e
     {
         run.warn(format!(
-            "reference_error {own:.4} is over a fifth of rmse_relative {e:.4}, from which it is taken away; \
-             the error is known less surely"
+            "after {MOST_SAMPLES} paths a pixel, the most there are, reference_error {own:.4} is still over a fifth \
+             of rmse_relative {e:.4}, from which it is taken away; the error is known less surely"
         ));
     }
     let (direct, indirect) = (reference.direct(), reference.indirect());
