@@ -65,9 +65,9 @@ pub(super) fn rules(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Val
 /// path tracing whose hits are pooled as those of tiles are.
 pub(super) fn curves(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Value>> {
     let usual = LightKnobs { bounces: 1, sky: OwnSky::None, ..LightKnobs::default() };
-    let shared = |sharing: Sharing| {
+    let shared = |(word, sharing): (&str, Sharing)| {
         BOUNDS.map(|error_bound| Way {
-            name: format!("{}, error_bound {error_bound}", sharing.word()),
+            name: format!("{word}, error_bound {error_bound}"),
             knobs: LightKnobs { error_bound, sharing, ..usual.clone() },
             paths: None,
             pooled: false,
@@ -83,12 +83,13 @@ pub(super) fn curves(sheet: &mut Sheet, scene: &str, run: &Run) -> Result<Vec<Va
     };
     let plain = [2, 8, 32, 128, 512].map(|n| paths("paths", false, n));
     let pooled = [2, 8, 32, 128].map(|n| paths("pooled paths", true, n));
-    let [tiles, records] = [Sharing::Tiles, Sharing::Records].map(shared);
+    let [tiles, records] = [("tiles", Sharing::Tiles), ("records", Sharing::Records)].map(shared);
     let lengths = [tiles.len(), records.len(), plain.len(), pooled.len()];
     let ways: Vec<Way> = tiles.into_iter().chain(records).chain(plain).chain(pooled).collect();
     let (_, found) = measured(scene, TIMED, &ways, run)?;
     let name = scene.rsplit(['/', ':']).next().unwrap_or(scene);
-    let least = |some: &[Outcome]| some.iter().map(|o| 100.0 * o.error).fold(f64::INFINITY, f64::min);
+    let least =
+        |some: &[Outcome]| some.iter().map(|o| 100.0 * o.error).fold(f64::INFINITY, f64::min);
     let mut rest = &found[..];
     let series = lengths.map(|n| {
         let (some, more) = rest.split_at(n);
