@@ -1,5 +1,5 @@
-//! Surfels a second of the tree's build, and milliseconds a gather: a million surfels, 8 x 8 x 6
-//! texels, nodes opened down to one texel.
+//! Surfels a second of the tree's build, and milliseconds a gather, of the binary tree and of the octree: a
+//! million surfels, 8 x 8 x 6 texels, nodes opened down to one texel.
 //!
 //! `cargo bench -p chiaro-pbgi --bench gather`, on one thread; least of several runs.
 
@@ -7,7 +7,7 @@
 
 use chiaro_basis::Run;
 use chiaro_pbgi::pixel::{Workspace, gather};
-use chiaro_pbgi::{LightKnobs, Lit, Tree, prepare, sites};
+use chiaro_pbgi::{Division, LightKnobs, Lit, Tree, prepare, sites};
 use chiaro_scene::{Choice, Poser, demo};
 use chiaro_trace::{GBuffer, Glow, Lamp, Lights, Surfaces, Tracer, Vertex};
 use std::time::Instant;
@@ -44,9 +44,6 @@ fn measure(name: &str) {
     let prepared =
         prepare(lit, &sites(&scene, &frame, SURFELS), &knobs, &run).expect("nobody cancels");
     let say = |what: &str, figure: f64| println!("{name:<16} {what:<28} {figure:>10.3}");
-    let build = least(|| Tree::build(&prepared.surfels.all).nodes.len());
-    say("tree, M surfels/s", 1e-6 * prepared.surfels.all.len() as f64 / build);
-
     let (pose, _) =
         chiaro_trace::view::Framing::of(&tracer, std::slice::from_ref(&frame)).view(1.0, 0.0);
     let pose = frame.cameras.first().unwrap_or(&pose);
@@ -57,20 +54,29 @@ fn measure(name: &str) {
         .map(|p| Vertex::of_pixel(&tracer, &buffer, p))
         .collect();
     let mut prepared = prepared;
-    for near_field in [true, false] {
-        prepared.knobs.near_field = near_field;
-        let mut work = Workspace::new(8);
-        let mut visited = 0;
-        let seconds = least(|| {
-            let one = |(i, at)| gather(&prepared, at, f32::INFINITY, &mut work, i as u64).visited;
-            visited = receivers.iter().enumerate().map(one).sum();
-        });
-        let count = receivers.len() as f64;
-        say(
-            if near_field { "gather, ms" } else { "gather of discs alone, ms" },
-            1e3 * seconds / count,
-        );
-        say("nodes visited", visited as f64 / count);
+    for (name, division) in [("spheres", Division::Spheres), ("octree", Division::Octree)] {
+        let say = |what: &str, figure: f64| say(&format!("{name}: {what}"), figure);
+        let build = least(|| Tree::build_by(division, &prepared.surfels.all).nodes.len());
+        say("M surfels/s", 1e-6 * prepared.surfels.all.len() as f64 / build);
+        let tree = Tree::build_by(division, &prepared.surfels.all);
+        say("nodes", tree.nodes.len() as f64);
+        prepared = prepared.with_tree(tree).0;
+        for near_field in [true, false] {
+            prepared.knobs.near_field = near_field;
+            let mut work = Workspace::new(8);
+            let mut visited = 0;
+            let seconds = least(|| {
+                let one =
+                    |(i, at)| gather(&prepared, at, f32::INFINITY, &mut work, i as u64).visited;
+                visited = receivers.iter().enumerate().map(one).sum();
+            });
+            let count = receivers.len() as f64;
+            say(
+                if near_field { "gather, ms" } else { "of discs alone, ms" },
+                1e3 * seconds / count,
+            );
+            say("nodes visited", visited as f64 / count);
+        }
     }
 }
 
