@@ -100,14 +100,7 @@ pub(crate) fn indirect<T: Hierarchy>(
     let occlusion = scene.knobs.occlusion * buffer.radius;
     let (width, height) = buffer.size();
     let mut net = Net::new(buffer);
-    let (columns, rows) = (width.div_ceil(COARSEST), height.div_ceil(COARSEST));
-    let mut squares: Vec<(Square, Pixel)> = (0..columns * rows)
-        .map(|i| (i % columns * COARSEST, i / columns * COARSEST))
-        .filter_map(|corner| {
-            let square = Square { corner, side: COARSEST };
-            Some((square, square.middle(buffer.size(), |p| buffer.covered[p])?))
-        })
-        .collect();
+    let mut squares = first_squares(buffer);
     let mut mean = None;
     while !squares.is_empty() {
         let records: Vec<IrradianceRecord> = squares
@@ -118,40 +111,36 @@ pub(crate) fn indirect<T: Hierarchy>(
                 Ok(hemisphere.look(scene, &at, occlusion, (square.pattern(), cells)))
             })
             .collect::<Result<_>>()?;
-        let first = net.entries.len() as u32;
-        let mean = *mean.get_or_insert_with(|| mean_of(&records));
-        let coarsest = first == 0;
-        let differs = |net: &Net| -> Vec<bool> {
-            (0..squares.len())
-                .into_par_iter()
-                .map(|i| {
-                    let (square, pixel) = squares[i];
-                    let own = coarsest.then_some(i as u32);
-                    let reach = if coarsest { FARTHEST } else { 2.0 * REACH * square.side as f32 };
-                    let asker = net.asker(pixel);
-                    let most = TOLERANCE * bound * mean;
-                    let half = 0.5 * square.side as f32 * asker.footprint;
-                    let foretold = net.foretold(&asker, reach, own).light();
-                    records[i].doubt(half) > DOUBTED * most
-                        || foretold
-                            .is_some_and(|f| (grey(&f) - grey(&records[i].light)).abs() > most)
-                })
-                .collect()
-        };
+        let most = TOLERANCE * bound * *mean.get_or_insert_with(|| mean_of(&records));
         // The first records are foretold by each other, all others by those before them.
-        let differs = if coarsest {
+        let first = net.entries.is_empty();
+        if first {
             net.add(&squares, &records);
-            differs(&net)
-        } else {
-            let differs = differs(&net);
+        }
+        let differs: Vec<bool> = (0..squares.len())
+            .into_par_iter()
+            .map(|i| net.differs(squares[i], &records[i], first.then_some(i as u32), most))
+            .collect();
+        if !first {
             net.add(&squares, &records);
-            differs
-        };
+        }
         let next: Vec<Vec<(Square, Pixel)>> =
             squares.par_iter().zip(differs).map(|((s, _), d)| net.quarters(s, d)).collect();
         squares = next.into_iter().flatten().collect();
     }
     net.picture(run)
+}
+
+/// The largest squares that show anything, with their pixels.
+fn first_squares(buffer: &GBuffer) -> Vec<(Square, Pixel)> {
+    let (width, height) = buffer.size();
+    let (columns, rows) = (width.div_ceil(COARSEST), height.div_ceil(COARSEST));
+    let one = |i: usize| {
+        let corner = (i % columns * COARSEST, i / columns * COARSEST);
+        let square = Square { corner, side: COARSEST };
+        Some((square, square.middle((width, height), |p| buffer.covered[p])?))
+    };
+    (0..columns * rows).filter_map(one).collect()
 }
 
 /// The mean light of records.
@@ -268,6 +257,23 @@ impl<'a> Net<'a> {
             }
         }
         found
+    }
+
+    /// Whether a record differs from what those before it foretell by more than `most`, or its gradient
+    /// cannot be trusted to the edge of its square. `own` is its place where it is among them.
+    fn differs(
+        &self,
+        (square, pixel): (Square, Pixel),
+        record: &IrradianceRecord,
+        own: Option<u32>,
+        most: f32,
+    ) -> bool {
+        let reach = (2.0 * REACH * square.side as f32).min(FARTHEST);
+        let asker = self.asker(pixel);
+        let half = 0.5 * square.side as f32 * asker.footprint;
+        let foretold = self.foretold(&asker, reach, own).light();
+        record.doubt(half) > DOUBTED * most
+            || foretold.is_some_and(|f| (grey(&f) - grey(&record.light)).abs() > most)
     }
 
     /// Whether a pixel sees any record on a surface like its own.
