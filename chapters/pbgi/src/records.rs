@@ -98,7 +98,6 @@ pub(crate) fn indirect<T: Hierarchy>(
     let bound = scene.knobs.error_bound;
     let hemisphere = Hemisphere::new(rays(bound), scene.shift);
     let occlusion = scene.knobs.occlusion * buffer.radius;
-    let (width, height) = buffer.size();
     let mut net = Net::new(buffer);
     let mut squares = first_squares(buffer);
     let mut mean = None;
@@ -168,9 +167,12 @@ impl Square {
 
     /// Its place among 4 x 4 squares.
     fn pattern(&self) -> usize {
-        let bit = |v: usize, i: usize| v / self.side >> i & 1;
+        let bit = |v: usize, i: usize| ((v / self.side) >> i) & 1;
         let (x, y) = self.corner;
-        bit(x, 0) ^ bit(y, 0) | bit(y, 0) << 1 | (bit(x, 1) ^ bit(y, 1)) << 2 | bit(y, 1) << 3
+        (bit(x, 0) ^ bit(y, 0))
+            | (bit(y, 0) << 1)
+            | ((bit(x, 1) ^ bit(y, 1)) << 2)
+            | (bit(y, 1) << 3)
     }
 
     fn pixels(&self, width: usize, height: usize) -> impl Iterator<Item = Pixel> + use<> {
