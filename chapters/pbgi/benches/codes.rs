@@ -66,11 +66,11 @@ fn measure(name: &str, scene: &Scene) -> Result<()> {
         let (mut pen, mut code) = (Pen::default(), Vec::new());
         for (area, axis, sums) in &nodes {
             code.clear();
-            book.encode(&Lobes { sums, area: *area, axis: *axis }, &mut code, &mut pen);
+            book.encode(&Lobes::new(sums, *area, *axis), &mut code, &mut pen);
         }
         let each = 1e6 * start.elapsed().as_secs_f64() / nodes.len() as f64;
         let squares = nodes.iter().map(|(area, axis, sums)| {
-            book.error(&Lobes { sums, area: *area, axis: *axis }, &mut Pen::default())
+            book.error(&Lobes::new(sums, *area, *axis), &mut Pen::default())
         });
         line(&label, recipe.bytes(), errors(&nodes, squares), each);
         println!("{:>60} s to learn", format!("{learned:.2}"));

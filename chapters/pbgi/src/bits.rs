@@ -3,7 +3,6 @@
 //! Any code gives some finite number, so that bytes from a file need no checks.
 
 use chiaro_basis::math::{Vec3, vec3};
-use std::sync::LazyLock;
 
 /// A positive number under twice `top` in 16 bits: 64 octaves, ten bits for each; 0 stays 0.
 pub(crate) fn float16(value: f32, top: f32) -> u16 {
@@ -31,71 +30,83 @@ pub(crate) fn from_float16(code: u16, top: f32) -> f32 {
     if code == 0 { 0.0 } else { top * f32::from_bits((u32::from(code) + (LOWEST << 10)) << 13) }
 }
 
-/// Steps to an octave of a colour's sum.
-const STEPS_AN_OCTAVE: f32 = 18.0;
-/// Steps of a share's root up to 1. Of grey, whose shares are 1/3, it is the whole number 36.
-const STEPS_OF_ROOT: f32 = 36.0 * 1.732_050_8;
-/// The last step is the share 1.
-const WHOLE: u64 = 63;
-
-/// A colour in 20 bits: its sum in steps of 1/18 octave, the shares of red and green. Grey keeps its hue.
-pub(crate) fn encode_colour(colour: [f32; 3], gain: f32) -> u64 {
-    let sum: f32 = colour.iter().sum();
-    if sum <= 0.0 || gain <= 0.0 {
-        return 0;
-    }
-    let step = (255.0 + STEPS_AN_OCTAVE * (sum / gain).log2()).round();
-    if step < 1.0 {
-        return 0;
-    }
-    let share = |c: usize| {
-        let root = STEPS_OF_ROOT * (colour[c] / sum).sqrt();
-        let last = (WHOLE - 1) as f32;
-        if root > 0.5 * (last + STEPS_OF_ROOT) { WHOLE } else { root.round() as u64 }
-    };
-    step.min(255.0) as u64 | share(0) << 8 | share(1) << 14
+/// Shares of red and green in a colour's sum, in so many bits each. Grey keeps its hue, and pure colours theirs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hue {
+    bits: u32,
+    /// Steps of a share's root up to 1. Of grey, whose shares are 1/3, it is a whole number.
+    steps: f32,
+    /// The last step is the share 1.
+    whole: u32,
+    /// The share of each step.
+    shares: [f32; 64],
 }
 
-/// Sums of colours over their gain, by step.
-static SUMS: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|step| ((step as f32 - 255.0) / STEPS_AN_OCTAVE).exp2()));
-
-/// The colour of a code.
-pub(crate) fn colour_of(code: u64, gain: f32) -> [f32; 3] {
-    let step = code & 255;
-    if step == 0 {
-        return [0.0; 3];
+impl Hue {
+    /// Five or six bits.
+    pub(crate) const fn new(bits: u32) -> Self {
+        let steps = (36 >> (6 - bits)) as f32 * 1.732_050_8;
+        let whole = (1 << bits) - 1;
+        let mut shares = [1.0; 64];
+        let mut root = 0;
+        while root < whole {
+            shares[root] = (root * root) as f32 / (steps * steps);
+            root += 1;
+        }
+        Self { bits, steps, whole: whole as u32, shares }
     }
-    let sum = gain * SUMS[step as usize];
-    let share = |shift: u32| match code >> shift & 63 {
-        WHOLE => 1.0,
-        root => (root as f32 * (1.0 / STEPS_OF_ROOT)).powi(2),
-    };
-    let (r, g) = (share(8), share(14));
-    let b = (1.0 - r - g).max(0.0);
-    let all = sum / (r + g + b);
-    [r * all, g * all, b * all]
+
+    /// The code of a colour, which is not black.
+    fn encode(&self, colour: [f32; 3]) -> u64 {
+        let sum: f32 = colour.iter().sum();
+        let share = |c: usize| {
+            let root = self.steps * (colour[c] / sum).sqrt();
+            let last = (self.whole - 1) as f32;
+            let past = root > 0.5 * (last + self.steps);
+            u64::from(if past { self.whole } else { root.round() as u32 })
+        };
+        share(0) | share(1) << self.bits
+    }
+
+    /// The colour of a code and a sum.
+    pub(crate) fn colour(&self, code: u32, sum: f32) -> [f32; 3] {
+        let share = |shift: u32| self.shares[(code >> shift & self.whole & 63) as usize];
+        let (r, g) = (share(0), share(self.bits));
+        let b = (1.0 - r - g).max(0.0);
+        let all = sum / (r + g + b);
+        [r * all, g * all, b * all]
+    }
 }
 
-/// What rounding took from the colours before, over their sums. The next ones make up for it, so that the
-/// light of neighbours together keeps its hue and its strength, though each is a few percent off.
+/// What rounding took from the colours before. The next ones make up for it, each by a tenth at most, so
+/// that neighbours together keep the strength and the hue of their light, though each is a few percent off.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Carry([f32; 3]);
 
+/// What a colour makes up for at most, over its sum.
+const MADE_UP: f32 = 0.1;
+
 impl Carry {
-    /// The code of a colour, and what its rounding takes. Black stays black.
-    pub(crate) fn encode(&mut self, colour: [f32; 3], gain: f32) -> u64 {
+    /// The code of a colour: the step of its sum in `bits`, then its hue. Step 0 is black; `value` is a step's sum.
+    pub(crate) fn encode(
+        &mut self,
+        colour: [f32; 3],
+        (hue, bits): (&Hue, u32),
+        step: impl Fn(f32) -> u32,
+        value: impl Fn(u32) -> f32,
+    ) -> u64 {
         let sum: f32 = colour.iter().sum();
         if sum <= 0.0 {
             return 0;
         }
-        let wanted: [f32; 3] = std::array::from_fn(|c| (colour[c] + self.0[c] * sum).max(0.0));
-        let code = encode_colour(wanted, gain);
-        let coded = colour_of(code, gain);
-        let most = 0.1;
-        self.0 =
-            std::array::from_fn(|c| (self.0[c] + (colour[c] - coded[c]) / sum).clamp(-most, most));
-        code
+        let most = MADE_UP * sum;
+        let wanted = |c: usize| (colour[c] + self.0[c].clamp(-most, most)).max(0.0);
+        let wanted: [f32; 3] = std::array::from_fn(wanted);
+        let step = step(wanted.iter().sum());
+        let shares = if step == 0 { 0 } else { hue.encode(wanted) };
+        let coded = hue.colour(shares as u32, value(step));
+        (0..3).for_each(|c| self.0[c] += colour[c] - coded[c]);
+        u64::from(step) | shares << bits
     }
 }
 
@@ -165,46 +176,53 @@ mod tests {
             let n = v(1).normalize();
             assert!(from_octahedral(octahedral(n)).distance(n) < 1e-5);
             let colour = [unit(5, i), unit(6, i), unit(7, i)];
-            let back = colour_of(encode_colour(colour, 3.0), 3.0);
             let sum: f32 = colour.iter().sum();
-            assert!(
-                (0..3).all(|c| (back[c] - colour[c]).abs() < 0.04 * sum),
-                "{colour:?} {back:?}"
-            );
+            for (bits, most) in [(6, 0.02), (5, 0.04)] {
+                let hue = Hue::new(bits);
+                let back = hue.colour(hue.encode(colour) as u32, sum);
+                assert!((0..3).all(|c| (back[c] - colour[c]).abs() < most * sum), "{back:?}");
+            }
         }
-        assert_eq!(colour_of(encode_colour([0.0; 3], 1.0), 1.0), [0.0; 3]);
     }
 
     #[test]
     fn grey_stays_grey_and_pure_colours_stay_pure() {
         for i in 0..200 {
             let light = unit(3, i);
-            let [r, g, b] = colour_of(encode_colour([light; 3], 1.5), 1.5);
-            assert!((r - b).abs() < 1e-5 * r && (g - b).abs() < 1e-5 * g, "{r} {g} {b}");
-            for c in 0..3 {
-                let mut pure = [0.0; 3];
-                pure[c] = light;
-                let back = colour_of(encode_colour(pure, 1.5), 1.5);
-                assert!((0..3).all(|k| (back[k] > 0.0) == (k == c)), "{back:?}");
+            for hue in [Hue::new(5), Hue::new(6)] {
+                let coded = |colour| hue.colour(hue.encode(colour) as u32, light);
+                let [r, g, b] = coded([light; 3]);
+                assert!((r - b).abs() < 1e-5 * r && (g - b).abs() < 1e-5 * g, "{r} {g} {b}");
+                for c in 0..3 {
+                    let mut pure = [0.0; 3];
+                    pure[c] = light;
+                    let back = coded(pure);
+                    assert!((0..3).all(|k| (back[k] > 0.0) == (k == c)), "{back:?}");
+                }
             }
         }
     }
 
     #[test]
     fn neighbours_together_keep_their_light() {
+        let hue = Hue::new(5);
+        // Eight steps an octave.
+        let (step, value) =
+            (|s: f32| (80.0 + 8.0 * s.log2()).round() as u32, |s| (s as f32 / 8.0 - 10.0).exp2());
         for i in 0..200 {
             let base = [unit(4, i), unit(5, i), unit(6, i)];
             let (mut carry, mut sums) = (Carry::default(), [[0.0f32; 3]; 2]);
             for k in 0..16 {
                 let shade = 1.0 + 0.2 * unit(7, 16 * i + k);
                 let colour = base.map(|b| b * shade);
-                let coded = colour_of(carry.encode(colour, 4.0), 4.0);
+                let code = carry.encode(colour, (&hue, 8), step, value) as u32;
+                let coded = hue.colour(code >> 8, value(code & 255));
                 (0..3).for_each(|c| sums[0][c] += colour[c]);
                 (0..3).for_each(|c| sums[1][c] += coded[c]);
             }
             let all: f32 = sums[0].iter().sum();
             assert!((0..3).all(|c| (sums[0][c] - sums[1][c]).abs() < 0.008 * all), "{sums:?}");
         }
-        assert_eq!(Carry([0.05; 3]).encode([0.0; 3], 1.0), 0);
+        assert_eq!(Carry([0.05; 3]).encode([0.0; 3], (&hue, 8), step, value), 0);
     }
 }

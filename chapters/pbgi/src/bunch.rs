@@ -48,10 +48,11 @@ impl<'a> Bunch<'a> {
             splats.extend(chooser.surfel(record));
             return;
         }
-        let facing = -record.normal.dot(offset) * record.area;
-        let solid_angle = facing.max(0.0) / (square * square.sqrt());
+        let facing = -record.normal.dot(offset);
+        let (side, axis) = if facing < 0.0 { (1, -record.normal) } else { (0, record.normal) };
+        let solid_angle = facing.abs() * record.side_area(side) / (square * square.sqrt());
         self.fit([offset, offset], square, splats);
-        self.sum(offset, solid_angle, record.radiance[0], record.normal);
+        self.sum(offset, solid_angle, record.radiance[side], axis);
     }
 
     /// Adds what is seen of a node of a bounding sphere.

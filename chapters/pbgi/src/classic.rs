@@ -256,7 +256,7 @@ impl Classic {
                 let area = areas.get(index).map_or(0.0, |a| from_float16(*a, *top_area));
                 let mut code = Vec::with_capacity(16);
                 book.recipe.to_code(rows.read(index), &mut code);
-                let mut decoded = book.decode(&code, area, Vec3::ZERO);
+                let mut decoded = book.decode(&code, (area, Vec3::ZERO, 0.0));
                 if let Some(lobes) = lobes.get(index) {
                     decoded.lobes.area = *lobes;
                 }
@@ -386,7 +386,7 @@ impl Maker<'_> {
             area = from_float16(*stored, top_area);
         }
         let mut code = Vec::with_capacity(16);
-        let lobes = Lobes { sums: &done.lobes, area, axis: Vec3::ZERO };
+        let lobes = Lobes { sums: &done.lobes, area, axis: Vec3::ZERO, both: 0.0 };
         book.encode(&lobes, &mut code, pen);
         rows.write(node, book.recipe.numbers(&code));
     }
@@ -455,7 +455,7 @@ mod tests {
     use super::*;
     use crate::code::Recipe;
     use crate::packed::tests::sheet;
-    use crate::packed::{Packed, records};
+    use crate::packed::{Packed, records, sides};
     use chiaro_basis::Run;
 
     fn book(exact: &Classic, recipe: &Recipe) -> Book {
@@ -464,7 +464,7 @@ mod tests {
         let lessons: Vec<Lobes> = nodes
             .iter()
             .step_by(3)
-            .map(|(area, sums)| Lobes { sums, area: *area, axis: Vec3::ZERO })
+            .map(|(area, sums)| Lobes { sums, area: *area, axis: Vec3::ZERO, both: 0.0 })
             .collect();
         Book::train(&lessons, recipe, 1, &Run::default()).unwrap()
     }
@@ -484,7 +484,7 @@ mod tests {
 
     #[test]
     fn the_thesis_s_tree_sends_what_other_trees_send() {
-        let all = records(&sheet(6000));
+        let all = sides(&records(&sheet(6000)));
         let truth = light(&Packed::build(&all));
         for leaf in [Leaf::A, Leaf::B] {
             let exact = Classic::exact(&all, leaf);
@@ -500,7 +500,7 @@ mod tests {
 
     #[test]
     fn nodes_bound_and_sum_what_is_below_them_and_leaves_come_back() {
-        let all = records(&sheet(777));
+        let all = sides(&records(&sheet(777)));
         for leaf in [Leaf::A, Leaf::B] {
             let tree = Classic::exact(&all, leaf);
             let mut open = vec![(0usize, 0usize, all.len())];
@@ -533,7 +533,7 @@ mod tests {
 
     #[test]
     fn bytes_are_those_of_tables_6_1_and_6_2() {
-        let all = records(&sheet(3000));
+        let all = sides(&records(&sheet(3000)));
         let exact = Classic::exact(&all, Leaf::A);
         let n = all.len();
         let words = Recipe::thesis(1000);
@@ -551,7 +551,7 @@ mod tests {
 
     #[test]
     fn few_lobes_are_alive_and_threads_change_nothing() {
-        let all = records(&sheet(20_000));
+        let all = sides(&records(&sheet(20_000)));
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {

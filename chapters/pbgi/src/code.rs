@@ -25,6 +25,7 @@ use chiaro_basis::math::{Mat3, Vec3};
 use chiaro_basis::random::hash;
 use chiaro_basis::{Result, Run};
 use chiaro_solve::{KMeans, Nearest, Scratch, Start, k_means};
+use std::sync::OnceLock;
 
 /// Numbers of a node's area, and of its light.
 const AREA: usize = 9;
@@ -39,10 +40,25 @@ pub const HEADROOM: f32 = 4096.0;
 pub struct Lobes<'a> {
     /// The sums.
     pub sums: &'a Exact,
-    /// The summed area.
+    /// The summed area, whichever sides live.
     pub area: f32,
     /// The mean normal, as the decoder will know it.
     pub axis: Vec3,
+    /// The share of the area both of whose sides live, as the decoder will know it.
+    pub both: f32,
+}
+
+impl<'a> Lobes<'a> {
+    /// A node whose decoder will know all of it exactly.
+    pub fn new(sums: &'a Exact, area: f32, axis: Vec3) -> Self {
+        Self { sums, area, axis, both: both(sums, area) }
+    }
+}
+
+/// The share of an area both of whose sides live, by its lobe.
+pub(crate) fn both(sums: &Exact, area: f32) -> f32 {
+    let sides = sums.area[0] / harmonic::disc(Vec3::Z, 1.0)[0];
+    if area > 0.0 { (sides / area - 1.0).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// Lobes in the frame of their node.
@@ -74,36 +90,89 @@ impl Decoded {
     }
 }
 
-/// The words of one stage.
+/// The words of one stage. Numbers are the upper halves of floats: what rounding takes is left for the
+/// next stage.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// One after the other.
-    pub words: Vec<f32>,
-    index: Nearest,
+    numbers: Vec<u16>,
     dim: usize,
+    /// Made when a word is first searched for.
+    index: OnceLock<Nearest>,
 }
 
 impl Table {
-    /// Words of `dim` numbers.
-    pub fn new(words: Vec<f32>, dim: usize) -> Self {
-        Self { index: Nearest::new(&words, dim), words, dim }
+    /// Words of `dim` numbers, rounded.
+    pub fn new(words: &[f32], dim: usize) -> Self {
+        Self::of_halves(words.iter().map(|v| upper(*v)).collect(), dim)
     }
 
-    fn word(&self, index: usize) -> &[f32] {
-        let last = (self.words.len() / self.dim).saturating_sub(1);
-        let at = index.min(last) * self.dim;
-        self.words.get(at..at + self.dim).unwrap_or(&[])
+    /// Words of `dim` upper halves.
+    pub(crate) fn of_halves(numbers: Vec<u16>, dim: usize) -> Self {
+        Self { numbers, dim, index: OnceLock::new() }
+    }
+
+    /// All words, one after the other.
+    pub(crate) fn halves(&self) -> &[u16] {
+        &self.numbers
+    }
+
+    /// The word nearest to a vector.
+    fn find(&self, vector: &[f32], hint: Option<u32>, scratch: &mut Scratch) -> Option<u32> {
+        let index = self.index.get_or_init(|| {
+            let words: Vec<f32> = self.numbers.iter().map(|n| whole(*n)).collect();
+            Nearest::new(&words, self.dim)
+        });
+        index.find(vector, hint, scratch).map(|found| found.index)
+    }
+
+    fn word(&self, index: usize) -> &[u16] {
+        let at = index.min(self.len().saturating_sub(1)) * self.dim;
+        self.numbers.get(at..at + self.dim).unwrap_or(&[])
+    }
+
+    /// Adds a word to a sum that is as long or longer.
+    #[inline]
+    fn add<const N: usize>(&self, index: usize, sum: &mut [f32; N]) {
+        let word = self.word(index);
+        match word.first_chunk::<N>() {
+            // Of a length that is known, so that the compiler can use vectors.
+            Some(word) => sum.iter_mut().zip(word).for_each(|(s, w)| *s += whole(*w)),
+            None => sum.iter_mut().zip(word).for_each(|(s, w)| *s += whole(*w)),
+        }
+    }
+
+    /// Takes a word from a vector.
+    fn take(&self, index: usize, vector: &mut [f32]) {
+        vector.iter_mut().zip(self.word(index)).for_each(|(v, w)| *v -= whole(*w));
     }
 
     /// Words.
     pub fn len(&self) -> usize {
-        self.words.len() / self.dim
+        self.numbers.len() / self.dim
     }
 
     /// Whether there is no word.
     pub fn is_empty(&self) -> bool {
-        self.words.is_empty()
+        self.numbers.is_empty()
     }
+
+    /// Bytes; what searches is as large as the words in floats.
+    fn size(&self) -> usize {
+        let searched = if self.index.get().is_some() { 4 } else { 0 };
+        (2 + searched) * self.numbers.len()
+    }
+}
+
+/// The upper half of a float that is nearest to it.
+fn upper(value: f32) -> u16 {
+    let bits = value.to_bits();
+    ((bits.saturating_add(0x7fff + (bits >> 16 & 1))) >> 16) as u16
+}
+
+/// The float of an upper half.
+#[inline]
+pub(crate) fn whole(upper: u16) -> f32 {
+    f32::from_bits(u32::from(upper) << 16)
 }
 
 /// Tables of words for the lobes of nodes.
@@ -160,7 +229,7 @@ impl Book {
     }
 
     /// The lobes of a code.
-    pub fn decode(&self, code: &[u8], area: f32, axis: Vec3) -> Decoded {
+    pub fn decode(&self, code: &[u8], (area, axis, both): (f32, Vec3, f32)) -> Decoded {
         let recipe = &self.recipe;
         let gain =
             |i: usize| from_float16(u16::from_le_bytes([code[2 * i], code[2 * i + 1]]), self.top);
@@ -176,12 +245,12 @@ impl Book {
         };
         let mut light = [0.0f32; LIGHT];
         for (table, words) in self.light.iter().zip(&recipe.light) {
-            add(&mut light, table.word(next(*words)));
+            table.add(next(*words), &mut light);
         }
         let frame = recipe.turned.then(|| frame(axis));
-        let mut disc = expected(recipe, axis, frame.as_ref());
+        let mut disc = expected(recipe, axis, both, frame.as_ref());
         for (table, words) in self.area.iter().zip(&recipe.area) {
-            add(&mut disc, table.word(next(*words)));
+            table.add(next(*words), &mut disc);
         }
         let scale = if recipe.by_area { area } else { 1.0 };
         let stride = if recipe.gains == Gains::Shape { 0 } else { AREA };
@@ -200,7 +269,7 @@ impl Book {
     pub fn error(&self, node: &Lobes, pen: &mut Pen) -> [f64; 2] {
         let mut code = Vec::with_capacity(32);
         self.encode(node, &mut code, pen);
-        let own = self.decode(&code, node.area, node.axis);
+        let own = self.decode(&code, (node.area, node.axis, node.both));
         let mut truth = node.sums.light;
         if own.local_from_world.is_some() {
             let frame = frame(node.axis);
@@ -219,18 +288,16 @@ impl Book {
 
     /// Bytes of the tables.
     pub fn size(&self) -> usize {
-        let words = |t: &[Table]| t.iter().map(|t| 4 * t.words.len()).sum::<usize>();
-        // Each word lies twice: as it is read, and as it is searched.
-        2 * (words(&self.light) + words(&self.area))
+        self.light.iter().chain(&self.area).map(Table::size).sum()
     }
-}
 
-/// Adds a word, which is as long as the sum or shorter.
-fn add<const N: usize>(sum: &mut [f32; N], word: &[f32]) {
-    match word.first_chunk::<N>() {
-        // Of a length that is known, so that the compiler can use vectors.
-        Some(word) => sum.iter_mut().zip(word).for_each(|(s, w)| *s += w),
-        None => sum.iter_mut().zip(word).for_each(|(s, w)| *s += w),
+    /// The same without what searches for words.
+    #[must_use]
+    pub fn to_be_read(&self) -> Self {
+        let bare = |t: &Table| Table::of_halves(t.numbers.clone(), t.dim);
+        let all = |tables: &[Table]| tables.iter().map(bare).collect();
+        let (recipe, top) = (self.recipe.clone(), self.top);
+        Self { recipe, top, light: all(&self.light), area: all(&self.area) }
     }
 }
 
@@ -259,13 +326,13 @@ fn stages(
         if centres.is_empty() {
             centres = vec![0.0; dim];
         }
-        let table = Table::new(centres, dim);
+        let table = Table::new(&centres, dim);
         if stage + 1 < words.len() {
             let mut scratch = Scratch::default();
             for point in points.chunks_exact_mut(dim) {
-                let Some(found) = table.index.find(point, None, &mut scratch) else { continue };
-                let word = table.word(found.index as usize);
-                point.iter_mut().zip(word).for_each(|(p, w)| *p -= w);
+                if let Some(found) = table.find(point, None, &mut scratch) {
+                    table.take(found as usize, point);
+                }
             }
         }
         tables.push(table);
@@ -293,11 +360,9 @@ fn staged(
     scratch: &mut Scratch,
 ) {
     for ((table, words), hint) in tables.iter().zip(words).zip(hints) {
-        let found = table.index.find(vector, *hint, scratch);
-        *hint = found.map(|f| f.index);
+        *hint = table.find(vector, *hint, scratch);
         let index = hint.unwrap_or(0);
-        let word = table.word(index as usize);
-        vector.iter_mut().zip(word).for_each(|(v, w)| *v -= w);
+        table.take(index as usize, vector);
         code.extend(&index.to_le_bytes()[..word_bytes(*words)]);
     }
 }
@@ -319,7 +384,7 @@ impl Parts {
         let turn = recipe.turned.then(|| frame(node.axis));
         let put = |sh: &Sh| turn.as_ref().map_or(*sh, |t| turned(sh, t)).map(|v| v * scale);
         let colours = node.sums.light.each_ref().map(put);
-        let told = expected(recipe, node.axis, turn.as_ref());
+        let told = expected(recipe, node.axis, node.both, turn.as_ref());
         let mut area = put(&node.sums.area);
         area.iter_mut().zip(told).for_each(|(a, t)| *a -= t);
         let square = |sh: &Sh| sh.iter().map(|v| v * v).sum::<f32>();
@@ -342,12 +407,12 @@ impl Parts {
 }
 
 /// What is known of a node's lobe of area over its area; nothing where sums are coded as they are.
-fn expected(recipe: &Recipe, axis: Vec3, world_from_local: Option<&Mat3>) -> Sh {
+fn expected(recipe: &Recipe, axis: Vec3, both: f32, world_from_local: Option<&Mat3>) -> Sh {
     if !recipe.by_area {
         return [0.0; AREA];
     }
     let axis = world_from_local.map_or(axis, |f| f.transpose() * axis);
-    harmonic::expected(axis)
+    harmonic::expected(axis, both)
 }
 
 /// The shape of length 1 that colours share, and the part of each along it, never negative.
@@ -438,7 +503,7 @@ mod tests {
     }
 
     fn lobes(all: &[(Exact, f32, Vec3)]) -> Vec<Lobes<'_>> {
-        all.iter().map(|(sums, area, axis)| Lobes { sums, area: *area, axis: *axis }).collect()
+        all.iter().map(|(sums, area, axis)| Lobes::new(sums, *area, *axis)).collect()
     }
 
     fn error(book: &Book, all: &[Lobes]) -> f64 {
@@ -448,7 +513,7 @@ mod tests {
             let mut code = Vec::new();
             book.encode(node, &mut code, &mut pen);
             assert_eq!(code.len(), book.recipe.bytes());
-            let back = book.decode(&code, node.area, node.axis);
+            let back = book.decode(&code, (node.area, node.axis, node.both));
             for i in 0..20 {
                 let d = Vec3::new(unit(7, i) - 0.5, unit(8, i) - 0.5, unit(9, i) - 0.5).normalize();
                 let (a, b) =
@@ -485,7 +550,10 @@ mod tests {
             let book = Book::train(&all, &recipe, 1, &Run::default()).unwrap();
             let mut code = Vec::new();
             book.encode(&all[0], &mut code, &mut Pen::default());
-            assert_eq!(book.decode(&code, all[0].area, all[0].axis).lobes.light, [[0.0; 9]; 3]);
+            assert_eq!(
+                book.decode(&code, (all[0].area, all[0].axis, all[0].both)).lobes.light,
+                [[0.0; 9]; 3]
+            );
         }
     }
 

@@ -218,23 +218,25 @@ impl Chooser {
         (solid_angle > 0.0).then_some(splat)
     }
 
-    /// The records of which anything is seen, in a mask of bits: surfels with one living side.
+    /// The records of which anything is seen, in a mask of bits.
     #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
     pub(crate) fn seen_of(&self, places: &Places) -> u32 {
         let from = self.from;
         let near = self.near.min(self.mark).powi(2);
-        let (Places { position: [x, y, z], normal: [nx, ny, nz] }, up) = (places, self.above);
+        let (Places { position: [x, y, z], normal: [nx, ny, nz], both }, up) = (places, self.above);
         let up = up.unwrap_or(Vec3::ZERO);
         let least = if self.above.is_some() { 0.0 } else { -1.0 };
-        let mut seen = [0u32; BLOCK];
+        let (mut seen, mut faces) = ([0u32; BLOCK], [0u32; BLOCK]);
         for k in 0..BLOCK {
             let (dx, dy, dz) = (x[k] - from.x, y[k] - from.y, z[k] - from.z);
-            let faces = dx * nx[k] + dy * ny[k] + dz * nz[k] < 0.0;
+            let front = dx * nx[k] + dy * ny[k] + dz * nz[k] < 0.0;
             let far = dx * dx + dy * dy + dz * dz > near;
             let above = dx * up.x + dy * up.y + dz * up.z > least;
-            seen[k] = u32::from(faces & far & above) << k;
+            seen[k] = u32::from(far & above) << k;
+            faces[k] = u32::from(front) << k;
         }
-        seen.iter().fold(0, |mask, bit| mask | bit)
+        let mask = |bits: &[u32; BLOCK]| bits.iter().fold(0, |mask, bit| mask | bit);
+        mask(&seen) & (mask(&faces) | both)
     }
 
     /// What is seen of a surfel: its exact cosine, and nothing of a dead side.

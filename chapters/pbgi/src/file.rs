@@ -14,7 +14,7 @@
 //! is against accidents, not against forgers: forged bytes give some picture. Books alone are files
 //! too ([`book_bytes`], [`read_book`]).
 
-use crate::code::{Book, Gains, Recipe, Table, Words};
+use crate::code::{Book, Gains, Recipe, Table, Words, whole};
 use crate::compact::{Bytes, Compact, Format};
 use crate::curve::Cube;
 use crate::packed::{PART, Packed};
@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 const MAGIC: &[u8; 12] = b"chiaro pbgi\n";
 const BOOK_MAGIC: &[u8; 12] = b"chiaro book\n";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const END: &[u8; 8] = b"pbgi end";
 /// Parts that are checked between two pauses: some ten megabytes.
 const PARTS_AT_ONCE: usize = 128;
@@ -49,6 +49,7 @@ pub(crate) fn tail(tree: &Packed<Compact>, origin: &str, before: u64) -> Vec<u8>
         w.f32(value);
     }
     w.u64(store.records as u64);
+    store.seconds.iter().for_each(|n| w.0.extend(n.to_le_bytes()));
     w.u64(origin.len() as u64);
     w.0.extend(origin.as_bytes());
     w.book(&format.book);
@@ -118,11 +119,11 @@ pub fn open(bytes: Bytes, name: &str, pause: &dyn Fn()) -> Result<(Packed<Compac
         return Err(altered());
     }
     let read = read_tail(&all[start..end]).ok_or_else(altered)?;
-    let Tail { format, leaf_radius, records, origin, crown } = read;
+    let Tail { format, leaf_radius, records, seconds, origin, crown } = read;
     let mut starts = Vec::new();
     let mut at = 16;
-    for first in (0..records).step_by(PART) {
-        let length = format.part_bytes(PART.min(records - first));
+    for (first, seconds) in (0..records).step_by(PART).zip(&seconds) {
+        let length = format.part_bytes(PART.min(records - first), *seconds);
         starts.push((at, length));
         at += length + SUM;
     }
@@ -138,7 +139,8 @@ pub fn open(bytes: Bytes, name: &str, pause: &dyn Fn()) -> Result<(Packed<Compac
         }
         pause();
     }
-    let store = Compact::of_bytes(format, bytes, &starts, crown, records).ok_or_else(altered)?;
+    let store =
+        Compact::of_bytes(format, bytes, &starts, crown, (records, seconds)).ok_or_else(altered)?;
     Ok((Packed { store, leaf_radius }, origin))
 }
 
@@ -146,6 +148,7 @@ struct Tail {
     format: Format,
     leaf_radius: f32,
     records: usize,
+    seconds: Vec<u16>,
     origin: String,
     crown: Vec<Vec<u8>>,
 }
@@ -156,6 +159,8 @@ fn read_tail(bytes: &[u8]) -> Option<Tail> {
     let cube = Cube { low, side: r.f32()? };
     let (top_area, top_light, leaf_radius) = (r.f32()?, r.f32()?, r.f32()?);
     let records = r.size()?;
+    let seconds = r.take(records.div_ceil(PART).checked_mul(2)?)?;
+    let seconds = seconds.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
     let length = r.size()?;
     let origin = String::from_utf8(r.take(length)?.to_vec()).ok()?;
     let book = r.book()?;
@@ -166,7 +171,7 @@ fn read_tail(bytes: &[u8]) -> Option<Tail> {
         crown.push(r.take(length)?.to_vec());
     }
     let format = Format { book, cube, top_area, top_light };
-    Some(Tail { format, leaf_radius, records, origin, crown })
+    Some(Tail { format, leaf_radius, records, seconds, origin, crown })
 }
 
 #[derive(Default)]
@@ -195,8 +200,8 @@ impl Writer {
             self.u64(stages.len() as u64);
             for (table, words) in tables.iter().zip(stages) {
                 self.u64(*words as u64);
-                self.u64(table.words.len() as u64);
-                table.words.iter().for_each(|x| self.f32(*x));
+                self.u64(table.len() as u64);
+                table.halves().iter().for_each(|x| self.0.extend(x.to_le_bytes()));
             }
         }
     }
@@ -238,9 +243,13 @@ impl<'a> Reader<'a> {
         let (mut tables, mut words) = (Vec::new(), Vec::new());
         for _ in 0..stages {
             words.push(self.size().filter(|n| *n <= 65_536)?);
-            let count = self.size().filter(|n| *n <= self.0.len() / 4 && n.is_multiple_of(dim))?;
-            let numbers: Option<Vec<f32>> = (0..count).map(|_| self.f32()).collect();
-            tables.push(Table::new(numbers?, dim));
+            let count = self.size().filter(|n| *n <= self.0.len() / (2 * dim))?;
+            let halves = self.take(2 * dim * count)?.chunks_exact(2);
+            let halves: Vec<u16> = halves.map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
+            if !halves.iter().all(|h| whole(*h).is_finite()) {
+                return None;
+            }
+            tables.push(Table::of_halves(halves, dim));
         }
         Some((tables, words))
     }

@@ -60,13 +60,14 @@ pub fn disc(normal: Vec3, area: f32) -> Sh {
     std::array::from_fn(|i| y[i] * bands[[0, 1, 1, 1, 2, 2, 2, 2, 2][i]])
 }
 
-/// The lobe that discs of a mean normal are likely to have together, over their area. Bands 0 and 1 are
-/// exact; band 2 is that of normals scattered as heat spreads on the sphere, whose band l is l(l + 1)
-/// times as damped.
-pub fn expected(mean_normal: Vec3) -> Sh {
+/// The lobe that discs of a mean normal are likely to have together, over their area; of a share `both`
+/// both sides count. Bands 0 and 1 are exact where that does not go with the normals; band 2 is that of normals
+/// scattered as heat spreads on the sphere, whose band l is l(l + 1) times as damped.
+pub fn expected(mean_normal: Vec3, both: f32) -> Sh {
     let length = mean_normal.length().min(1.0);
     let lobe = disc(mean_normal.normalize_or(Vec3::Z), 1.0);
-    let bands = [1.0, length, length * length * length];
+    let (even, odd) = (1.0 + both, 1.0 - both);
+    let bands = [even, odd * length, even * length * length * length];
     std::array::from_fn(|i| lobe[i] * bands[[0, 1, 1, 1, 2, 2, 2, 2, 2][i]])
 }
 
@@ -102,10 +103,12 @@ mod tests {
         for n in &normals {
             sum.iter_mut().zip(disc(*n, 1.0 / 7.0)).for_each(|(s, d)| *s += d);
         }
-        let told = expected(normals.iter().sum::<Vec3>() / 7.0);
+        let told = expected(normals.iter().sum::<Vec3>() / 7.0, 0.0);
         assert!((0..4).all(|i| (told[i] - sum[i]).abs() < 1e-5), "{told:?} {sum:?}");
-        let (one, own) = (expected(normals[2]), disc(normals[2], 1.0));
+        let (one, own) = (expected(normals[2], 0.0), disc(normals[2], 1.0));
         assert!((0..9).all(|i| (one[i] - own[i]).abs() < 1e-5), "{one:?} {own:?}");
+        let (two, back) = (expected(normals[2], 1.0), disc(-normals[2], 1.0));
+        assert!((0..9).all(|i| (two[i] - own[i] - back[i]).abs() < 1e-5), "{two:?} {own:?}");
     }
 
     #[test]

@@ -77,7 +77,7 @@ knobs! {
         surfels: u32 = 100000, Count { min: 16, max: 4000000000 }, "N (6.3.2)", "", "surfels that stand for the scene's surfaces";
         sampling: Sampling = Sampling::Sequence, Choice(Sampling::WORDS), "6.3.2", "", "sequence: surfels spread evenly by area; poisson: at a least distance from each other (slower)";
         focus: bool = false, Switch, "", "", "whether surfels lie denser where the shot's cameras see them: steadier detail, less of it where gathers are shared";
-        tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some ten bytes a surfel, any number of surfels";
+        tree: Storage = Storage::Exact, Choice(Storage::WORDS), "", "", "compact: some nine bytes a surfel, any number of surfels";
         hierarchy: Division = Division::Spheres, Choice(Division::WORDS), "6.3.2", "", "how a tree that is not compact divides space; spheres: in two; octree: in eight";
         clusters: u32 = 0, Count { min: 0, max: 65536 }, "l (6.5.1)", "words", "a compact tree whose lobes are one word each of a table of so many; 0: the default code";
         max_error: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "6.7", "share", "a compact tree by the smallest book whose error of nodes it has not seen is at most this; 0: the default code";

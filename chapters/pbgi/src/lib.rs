@@ -31,6 +31,7 @@
 mod band;
 mod bitrows;
 mod bits;
+mod block;
 pub mod bounce;
 mod bunch;
 pub mod chosen;

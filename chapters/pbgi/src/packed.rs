@@ -1,7 +1,7 @@
 //! [`Packed`]: a tree without pointers, eight children a node (thesis, 6.5.2 and 6.5.3).
 //!
-//! 1. Surfels are sorted along a Hilbert curve ([`Cube`](crate::curve::Cube)). A surfel with two living sides is two, one a
-//!    side; one without is none: a [`Record`] is a side.
+//! 1. Surfels are sorted along a Hilbert curve ([`Cube`](crate::curve::Cube)). Those without a living side are left out;
+//!    a [`Record`] is one with one or two, its front alive.
 //! 2. Sixteen records in a row are a *block*; eight blocks are a node, eight nodes another, up to
 //!    one. Where a node's children lie follows from its number.
 //! 3. 8192 records are a *part*: four levels over their blocks, built by one thread. Sums go up
@@ -9,7 +9,7 @@
 //!    is alive, never the sums of a whole tree (Alg. 1). Levels above the parts are built last.
 //!
 //! How nodes and records are stored is a [`Store`]: [`Floats`] keeps them as they are, and is the
-//! oracle for [`Compact`](crate::compact::Compact), which keeps some ten bytes a surfel. Both have the same nodes and make the
+//! oracle for [`Compact`](crate::compact::Compact), which keeps some nine bytes a surfel. Both have the same nodes and make the
 //! same cuts. Guaranteed: the same bits for any number of threads.
 
 use crate::bunch::Bunch;
@@ -36,19 +36,31 @@ pub const PART_LEVELS: usize = 4;
 /// Records of a part.
 pub const PART: usize = BLOCK * FAN * FAN * FAN;
 
-/// One side of a surfel; side 0 of it lives alone.
+/// A surfel with a living side: its front lives.
 pub type Record = Surfel;
 
-/// The living sides of surfels, in their order.
+/// The surfels that have a living side, in their order; those whose front is dead are turned over.
 pub fn records(surfels: &[Surfel]) -> Vec<Record> {
-    let side = |s: &Surfel, side: usize| Surfel {
+    let there = |s: &&Surfel| s.area > 0.0 && s.alive != [false; 2];
+    let fronted = |s: &Surfel| if s.alive[0] { *s } else { side(s, 1) };
+    surfels.iter().filter(there).map(fronted).collect()
+}
+
+/// The living sides of records, each as a record of its own.
+pub fn sides(records: &[Record]) -> Vec<Record> {
+    let living = |r: &'_ Record| r.alive.into_iter().enumerate().filter(|(_, a)| *a);
+    let one = |r: &Record| living(r).map(|(k, _)| side(r, k)).collect::<Vec<_>>();
+    records.iter().flat_map(one).collect()
+}
+
+/// A side of a surfel, alone.
+fn side(s: &Surfel, side: usize) -> Surfel {
+    Surfel {
         normal: if side == 0 { s.normal } else { -s.normal },
         alive: [true, false],
         radiance: [s.radiance[side], [0.0; 3]],
         ..*s
-    };
-    let sides = surfels.iter().flat_map(|s| (0..2).map(move |k| (s, k)));
-    sides.filter(|(s, k)| s.alive[*k] && s.area > 0.0).map(|(s, k)| side(s, k)).collect()
+    }
 }
 
 /// A node with its sums, as it is before it is stored.
@@ -89,6 +101,8 @@ pub struct Places {
     pub position: [[f32; BLOCK]; 3],
     /// Those of their normals, of any length.
     pub normal: [[f32; BLOCK]; 3],
+    /// Which have two living sides, in a mask of bits.
+    pub both: u32,
 }
 
 /// Bounding spheres of siblings, side by side.
@@ -327,6 +341,7 @@ impl Stored for Floats {
         for (k, r) in records.iter().enumerate() {
             (0..3).for_each(|i| places.position[i][k] = r.position[i]);
             (0..3).for_each(|i| places.normal[i][k] = r.normal[i]);
+            places.both |= u32::from(r.alive[1]) << k;
         }
         let mask = wanted(&places);
         (0..records.len()).filter(|k| mask >> k & 1 == 1).map(|k| &records[k]).for_each(each);

@@ -6,11 +6,15 @@
 //! - none meets the front of a face (the outside of a room), or
 //! - all end within a few spacings of surfels (a slab under a floor).
 //!
+//! Whatever light it gets, a side is dead too when everything drawn lies on or behind its plane: no surface
+//! sees it. Under a sky that is the underside of a ground and the outside of a room.
+//!
 //! Half of the rays are tried first; the others only when those disagree. Sides that get direct
 //! light live: faces of a double-sided model may wind either way.
 
 use crate::surfel::Surfel;
 use chiaro_basis::math::Vec3;
+use chiaro_scene::Bounds;
 use chiaro_trace::{Ray, Sequence, Sides, Tracer, cosine_direction};
 
 /// Spacings within which all rays must end for a side to be buried.
@@ -37,14 +41,25 @@ impl Met {
     }
 }
 
-/// Finds the dead sides of a lit surfel with at most `rays` rays a side.
-pub fn test(tracer: &Tracer, surfel: &mut Surfel, spacing: f32, rays: u32, seed: u64) {
+/// Finds the dead sides of a lit surfel with at most `rays` rays a side; `bounds` hold everything drawn.
+pub fn test(
+    tracer: &Tracer,
+    bounds: &Bounds,
+    surfel: &mut Surfel,
+    spacing: f32,
+    rays: u32,
+    seed: u64,
+) {
     let sequence = Sequence::new(!seed);
     for side in 0..2 {
+        let normal = if side == 0 { surfel.normal } else { -surfel.normal };
+        if above(bounds, surfel.position, normal) <= tracer.offset() {
+            surfel.alive[side] = false;
+            continue;
+        }
         if surfel.radiance[side] != [0.0; 3] {
             continue;
         }
-        let normal = if side == 0 { surfel.normal } else { -surfel.normal };
         let mut met = Met::default();
         for k in 0..rays {
             if k == rays.div_ceil(2) && met.is_sure() {
@@ -55,6 +70,12 @@ pub fn test(tracer: &Tracer, surfel: &mut Surfel, spacing: f32, rays: u32, seed:
         }
         surfel.alive[side] = !met.is_dead();
     }
+}
+
+/// How far bounds reach above a plane.
+fn above(bounds: &Bounds, position: Vec3, normal: Vec3) -> f32 {
+    let farthest = Vec3::select(normal.cmpgt(Vec3::ZERO), bounds.max, bounds.min);
+    (farthest - position).dot(normal)
 }
 
 fn meet(
@@ -76,5 +97,19 @@ fn meet(
     }
     if hit.t < BURIED * spacing {
         met.near += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_reach_above_planes_inside_them_and_not_above_their_own() {
+        let bounds = Bounds { min: Vec3::NEG_ONE, max: Vec3::new(1.0, 3.0, 1.0) };
+        let low = Vec3::new(0.3, -1.0, 0.2);
+        assert_eq!(above(&bounds, low, Vec3::NEG_Y), 0.0);
+        assert_eq!(above(&bounds, low, Vec3::Y), 4.0);
+        assert!(above(&bounds, low, Vec3::new(0.01, -1.0, 0.0).normalize()) > 0.0);
     }
 }

@@ -113,7 +113,7 @@ impl Lesson {
 
     /// As a book takes it.
     pub fn lobes(&self) -> Lobes<'_> {
-        Lobes { sums: &self.sums, area: self.area, axis: self.axis }
+        Lobes::new(&self.sums, self.area, self.axis)
     }
 }
 
@@ -137,11 +137,6 @@ pub fn coded_in_memory(records: &[Record], book: &Book) -> Result<Packed<Compact
     });
     builder.add(records.to_vec())?;
     builder.done("")
-}
-
-/// Bytes a record of a large tree that is coded so, without its tables.
-pub fn bytes_a_record(recipe: &Recipe) -> f64 {
-    crate::compact::bytes_a_record(recipe)
 }
 
 /// The cube around everything drawn.

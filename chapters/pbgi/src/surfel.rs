@@ -73,12 +73,14 @@ impl Surfels {
         let area: f64 = all.iter().map(|s| f64::from(s.area)).sum();
         let spacing = (area / all.len().max(1) as f64).sqrt() as f32;
         let uneven = all.iter().any(|s| s.area > UNEVEN * spacing * spacing);
+        let bounds = lit.tracer.frame.bounds();
         run.stage("direct", sites.len() as u64, || {
             all.par_iter_mut().enumerate().try_for_each(|(index, surfel)| {
                 run.check()?;
                 light(lit, &sites[index], surfel, index as u64);
                 if knobs.side_rays > 0 {
-                    side::test(lit.tracer, surfel, spacing, knobs.side_rays, index as u64);
+                    let (rays, seed) = (knobs.side_rays, index as u64);
+                    side::test(lit.tracer, &bounds, surfel, spacing, rays, seed);
                 }
                 Ok(())
             })

@@ -4,6 +4,7 @@
 //! levels above the parts at the end. Into a file, no part stays in memory.
 
 use super::{Compact, Format, PART_BLOCKS, Part};
+use crate::block::SECOND;
 use crate::code::Pen;
 use crate::curve::Cube;
 use crate::file;
@@ -19,12 +20,14 @@ struct Writer<'a> {
     format: &'a Format,
     levels: Vec<Vec<u8>>,
     blocks: Vec<u8>,
+    seconds: Vec<u8>,
     pen: Pen,
 }
 
 impl<'a> Writer<'a> {
     fn new(format: &'a Format) -> Self {
-        Self { format, levels: Vec::new(), blocks: Vec::new(), pen: Pen::default() }
+        let (blocks, seconds) = (Vec::new(), Vec::new());
+        Self { format, levels: Vec::new(), blocks, seconds, pen: Pen::default() }
     }
 }
 
@@ -32,7 +35,7 @@ impl Store for Writer<'_> {
     fn block(&mut self, sums: &Sums, records: &[Record]) {
         let mut node = Vec::with_capacity(64);
         self.format.encode(sums, &mut node, &mut self.pen);
-        self.format.encode_block(&node, records, &mut self.blocks);
+        self.format.encode_block(&node, records, &mut self.blocks, &mut self.seconds);
         self.levels.resize(self.levels.len().max(1), Vec::new());
         self.levels[0].extend(node);
     }
@@ -68,6 +71,7 @@ impl<'a> Builder<'a> {
             parts: Vec::new(),
             crown: Vec::new(),
             records: 0,
+            seconds: Vec::new(),
             counts: Vec::new(),
             whole,
         };
@@ -103,18 +107,20 @@ impl<'a> Builder<'a> {
 
     fn store(&mut self, records: &[Record]) -> Result<()> {
         let format = &self.tree.format;
-        let parts: Vec<(Part, Sums)> = records
+        let parts: Vec<(Part, u16, Sums)> = records
             .par_chunks(PART)
             .map(|records| {
                 let mut writer = Writer::new(format);
                 let root = part(records, &mut writer);
-                let mut bytes = Vec::with_capacity(format.part_bytes(records.len()));
+                let seconds = (writer.seconds.len() / SECOND) as u16;
+                let mut bytes = Vec::with_capacity(format.part_bytes(records.len(), seconds));
                 writer.levels.iter().for_each(|level| bytes.extend(level));
                 bytes.extend(&writer.blocks);
-                (Part { bytes: Arc::new(bytes), start: 0 }, root)
+                bytes.extend(&writer.seconds);
+                (Part { bytes: Arc::new(bytes), start: 0 }, seconds, root)
             })
             .collect();
-        for (part, root) in parts {
+        for (part, seconds, root) in parts {
             if self.sink.is_some() {
                 let bytes = (*part.bytes).as_ref();
                 self.write(bytes)?;
@@ -122,6 +128,7 @@ impl<'a> Builder<'a> {
             } else {
                 self.tree.parts.push(part);
             }
+            self.tree.seconds.push(seconds);
             self.roots.push(root);
         }
         self.tree.records += records.len();
@@ -138,6 +145,9 @@ impl<'a> Builder<'a> {
         let mut writer = Writer::new(&format);
         crown(&self.roots, &mut writer);
         let tree = &mut self.tree;
+        // What searched for words is not needed any more.
+        tree.format = Arc::new(Format { book: format.book.to_be_read(), ..(*format).clone() });
+        tree.seconds.shrink_to_fit();
         tree.crown = writer.levels.into_iter().skip(PART_LEVELS).collect();
         tree.counts = counts(tree.records);
         let leaf_radius = leaf_radius(self.area, tree.records);

@@ -39,12 +39,12 @@ pub(super) fn nodes(tree: &Classic) -> Nodes {
 /// The nodes of a tree over so many surfels, lit by themselves.
 pub(super) fn of(at: &Still, surfels: usize, run: &Run) -> Result<Nodes> {
     let points = at.points(surfels, run)?;
-    Ok(nodes(&Classic::exact(&at.records(&points), Leaf::A)))
+    Ok(nodes(&Classic::exact(&at.sides(&points), Leaf::A)))
 }
 
 /// A book that nodes teach.
 pub(super) fn train(nodes: &Nodes, recipe: &Recipe, run: &Run) -> Result<Book> {
-    let lobes = |(area, sums)| Lobes { sums, area, axis: Vec3::ZERO };
+    let lobes = |(area, sums)| Lobes { sums, area, axis: Vec3::ZERO, both: 0.0 };
     let lessons: Vec<Lobes> = nodes.iter().map(|(area, sums)| lobes((*area, sums))).collect();
     Book::train(&lessons, recipe, 1, run)
 }
@@ -59,8 +59,8 @@ pub(super) fn book(at: &Still, surfels: usize, recipe: &Recipe, run: &Run) -> Re
 pub(super) fn mean_error(nodes: &Nodes, book: &Book) -> f64 {
     let one = |pen: &mut Pen, (area, sums): &(f32, Exact)| {
         let mut code = Vec::new();
-        book.encode(&Lobes { sums, area: *area, axis: Vec3::ZERO }, &mut code, pen);
-        let own = book.decode(&code, *area, Vec3::ZERO).lobes;
+        book.encode(&Lobes { sums, area: *area, axis: Vec3::ZERO, both: 0.0 }, &mut code, pen);
+        let own = book.decode(&code, (*area, Vec3::ZERO, 0.0)).lobes;
         let pairs = sums.light.as_flattened().iter().zip(own.light.as_flattened());
         pairs.fold([0.0f64; 2], |[wrong, there], (a, b)| {
             [wrong + f64::from((a - b).abs()), there + f64::from(a.abs())]
@@ -74,7 +74,7 @@ pub(super) fn mean_error(nodes: &Nodes, book: &Book) -> f64 {
 /// The 99th percentile of a lit node's own relative error.
 pub(super) fn p99_error(nodes: &Nodes, book: &Book) -> f64 {
     let one = |pen: &mut Pen, (area, sums): &(f32, Exact)| {
-        book.error(&Lobes { sums, area: *area, axis: Vec3::ZERO }, pen)
+        book.error(&Lobes { sums, area: *area, axis: Vec3::ZERO, both: 0.0 }, pen)
     };
     let squares: Vec<[f64; 2]> = nodes.par_iter().map_init(Pen::default, one).collect();
     let lit = squares.into_iter().filter(|[_, there]| *there > 0.0);

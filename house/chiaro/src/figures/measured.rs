@@ -8,7 +8,8 @@ use crate::record::resident_bytes;
 use chiaro_basis::{Result, Run};
 use chiaro_image::sheet::Sheet;
 use chiaro_pbgi::classic::{Classic, Leaf};
-use chiaro_pbgi::code::{Gains, Pen, Recipe};
+use chiaro_pbgi::code::{Book, Gains, Pen, Recipe};
+use chiaro_pbgi::compact::Compact;
 use chiaro_pbgi::packed::{Packed, Record};
 use chiaro_pbgi::{Exact, LightKnobs, stream};
 use serde_json::{Value, json};
@@ -76,7 +77,7 @@ fn row(cells: &[&str]) -> Vec<String> {
 
 /// The leaves of a scene, and what a tenth of its surfels teaches.
 fn leaves_of(at: &Still, run: &Run) -> Result<Vec<Record>> {
-    Ok(at.records(&at.points(DENSE, run)?))
+    Ok(at.sides(&at.points(DENSE, run)?))
 }
 
 fn memory(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> {
@@ -328,7 +329,7 @@ fn curve(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> 
     let mut values = Vec::new();
     for scene in scenes {
         still(scene, SIZE, &lessons::knobs(), run, |at| {
-            let records = at.records(&at.points(4 * DENSE, run)?);
+            let records = at.sides(&at.points(4 * DENSE, run)?);
             let book = lessons::book(at, SPARSE, &Recipe::thesis(1000), run)?;
             let (coded, fly) = watched(|| Classic::coded(&records, Leaf::B, &book));
             let (alive, bytes) = (coded.alive(), coded.counted().all());
@@ -461,8 +462,14 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
     let surfels = DENSE as f64;
     points.tree = Box::new(half);
     let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
-    let size = |recipe: &Recipe| stream::bytes_a_record(recipe) * records.len() as f64 / surfels;
-    let floats = size(&Recipe::clusters(16)) + 70.0 * nodes.len() as f64 / surfels;
+    let coded = |book: &Book| -> Result<(Packed<Compact>, f64)> {
+        let tree = stream::coded_in_memory(&records, book)?;
+        let bytes = tree.store.bytes() - tree.store.format.book.size();
+        Ok((tree, bytes as f64 / surfels))
+    };
+    let plain = Recipe::clusters(16);
+    let floats = coded(&stream::taught(&lessons, &plain, run)?)?.1;
+    let floats = floats + (72 - plain.bytes()) as f64 * nodes.len() as f64 / surfels;
     let (name, psnr) = ("half floats".to_owned(), near.psnr);
     all.push(Way { name, family: 6, bytes: floats, psnr, p99: 5e-4 });
     for (family, name, recipe) in ways() {
@@ -475,12 +482,14 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
             .collect();
         own.sort_by(f64::total_cmp);
         let p99 = own.get(own.len() * 99 / 100).copied().unwrap_or(0.0);
-        points.tree = Box::new(stream::coded_in_memory(&records, &book)?);
+        let (tree, bytes) = coded(&book)?;
+        points.tree = Box::new(tree);
         let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
-        all.push(Way { name, family, bytes: size(&recipe), psnr: near.psnr, p99 });
+        all.push(Way { name, family, bytes, psnr: near.psnr, p99 });
     }
     // The thesis's own tree, against itself in floats.
     let taught = lessons::of(at, SPARSE, run)?;
+    let records = at.sides(&points);
     points.tree = Box::new(Classic::exact(&records, Leaf::B));
     let truth = at.shown(&at.seen(&points, run)?, false);
     for words in [1000, 10_000] {

@@ -102,7 +102,7 @@ struct Truth<'a> {
 
 fn truth<'a>(at: &'a Still, run: &Run) -> Result<Truth<'a>> {
     let mut points = at.points(DENSE, run)?;
-    let records = at.records(&points);
+    let records = at.sides(&points);
     points.tree = Box::new(Classic::exact(&records, Leaf::A));
     let shown = at.shown(&at.seen(&points, run)?, true);
     Ok(Truth { points, records, shown })
@@ -179,7 +179,7 @@ fn errors(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>>
         let mut series: Vec<Series> = Vec::new();
         still(scene, SIZE, &lessons::knobs(), run, |at| {
             let dense = at.points(DENSE, run)?;
-            let all = lessons::nodes(&Classic::exact(&at.records(&dense), Leaf::A));
+            let all = lessons::nodes(&Classic::exact(&at.sides(&dense), Leaf::A));
             let nodes = all.into_iter().step_by(4).collect();
             let taught = lessons::of(at, SPARSE, run)?;
             let by_area = Recipe { words: Words::FromRandom, ..Recipe::clusters(1) };
@@ -289,7 +289,7 @@ fn larger(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>>
     for scene in scenes {
         still(scene, (2 * SIZE.0, 2 * SIZE.1), &lessons::knobs(), run, |at| {
             let mut points = at.points(2 * DENSE, run)?;
-            let records = at.records(&points);
+            let records = at.sides(&points);
             let book = lessons::book(at, SPARSE, &words(10_000, Words::FromRandom), run)?;
             let tree = Classic::coded(&records, Leaf::B, &book);
             let (counted, leaves) = (tree.counted(), records.len());

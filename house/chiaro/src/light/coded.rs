@@ -60,11 +60,13 @@ pub(super) fn gather(
     };
     let words = tree.store.format.book.words();
     let (bytes, nodes, records) = (tree.store.bytes(), tree.store.nodes(), tree.store.records);
+    let sides = tree.store.sides();
     let (scene, _) = sparse.with_tree(tree);
     let found = indirect(&scene, buffer, run)?;
     let numbers = [shot.spread.count, nodes as u64, words as u64, bytes as u64];
     let mut counts = measures(numbers, dead, &found);
     counts.insert("records".into(), json!(records));
+    counts.insert("living_sides".into(), json!(sides));
     counts.extend(told);
     if let Some(cap) = &files.cap {
         counts.insert("memory_cap".into(), json!(cap.bytes()));

@@ -6,7 +6,7 @@ use crate::project::{Options, Project};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::{Plane, metric};
-use chiaro_pbgi::packed::Record;
+use chiaro_pbgi::packed::{Record, sides};
 use chiaro_pbgi::pixel::{Workspace, gather};
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::{Lit, Surfels};
@@ -99,11 +99,16 @@ impl Still<'_> {
         Ok(start.elapsed().as_secs_f64())
     }
 
-    /// The living sides of surfels along the curve.
+    /// Surfels with living sides along the curve.
     pub(crate) fn records(&self, points: &Prepared<AnyTree>) -> Vec<Record> {
         let count = points.surfels.all.len() as u64;
         let spread = Spread::of(&self.shot.project.scene, self.frame, count.max(1));
         stream::sorted(&points.surfels.all, &stream::cube(&self.lit, &spread))
+    }
+
+    /// The living sides of surfels along the curve: leaves of the thesis's tree.
+    pub(crate) fn sides(&self, points: &Prepared<AnyTree>) -> Vec<Record> {
+        sides(&self.records(points))
     }
 
     /// What is seen by the light of a tree.

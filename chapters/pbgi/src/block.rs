@@ -1,0 +1,389 @@
+//! Blocks: sixteen surfels in some seven bytes each, and two more for a second side.
+//!
+//! ```text
+//! head, 11 bytes    gain of colours (2), their range (1), that of areas (1), half a box's sides over
+//!                   the sphere's radius (3), which surfels have two living sides (2), where
+//!                   their second colours begin among the part's (2)
+//! surfel, 6 bytes   position in the box 3 x 6 bits, normal 2 x 6 (octahedral), area 1,
+//!                   colour 17: sum 7, shares of red and green 5 each
+//! second, 2 bytes   colour of the other side: sum 6, shares 5 each
+//! ```
+//!
+//! A surfel whose front is dead is turned over. Sums of colours lie in even steps between the block's least
+//! and greatest, in octaves, and so do areas. What rounding takes from a normal, an area or a colour goes to the
+//! next surfel, so that a block as a whole keeps its light though each surfel is some percent off.
+
+use crate::bits::{Carry, Hue, float16_above, from_float16, from_grid, grid, octahedral};
+use crate::packed::{BLOCK, Places, Record};
+use chiaro_basis::math::{Vec3, vec3};
+use std::sync::LazyLock;
+
+/// Bytes of a surfel, and of a second side.
+pub(crate) const RECORD: usize = 6;
+pub(crate) const SECOND: usize = 2;
+const HEAD: usize = 11;
+/// Bytes of a block without second sides.
+pub(crate) const BLOCK_BYTES: usize = HEAD + BLOCK * RECORD;
+
+/// Bits of a coordinate, of a normal's, of an area, and of a front's sum and a back's.
+const PLACE: u32 = 6;
+const NORMAL: u32 = 6;
+const AREA: u32 = 1;
+const SUM: u32 = 7;
+const SECOND_SUM: u32 = 6;
+/// Where a surfel's bits begin.
+const NORMAL_AT: u32 = 3 * PLACE;
+const AREA_AT: u32 = NORMAL_AT + 2 * NORMAL;
+const COLOUR_AT: u32 = AREA_AT + AREA;
+/// Steps of a position from the middle of the box.
+const STEPS: f32 = ((1 << (PLACE - 1)) - 1) as f32;
+/// Units of a sum to a sixteenth of an octave: twice the steps from 1 to the last.
+const UNITS: u32 = 252;
+/// The last step of a front's sum. A back's goes half as far.
+const LAST: u32 = (1 << SUM) - 1;
+/// From the middle of the steps of area to the last.
+const HALF_AREAS: f32 = 0.5 * ((1 << AREA) - 1) as f32;
+/// Steps to an octave between areas, and to one between the ranges of colours.
+const AREA_STEPS: f32 = 32.0;
+const RANGE_STEPS: f32 = 16.0;
+/// Ten octaves: what is darker by more is black, or as bright as that.
+const MOST_RANGE: f32 = 10.0 * RANGE_STEPS;
+/// What a normal may owe the next.
+const OWED: f32 = 0.1;
+
+/// How hues are coded.
+static HUE: Hue = Hue::new(5);
+
+/// What the records of a block share.
+#[derive(Clone, Copy, Debug)]
+struct Head {
+    gain: f32,
+    /// Sixteenths of an octave.
+    range: u32,
+    areas: f32,
+    /// Half the sides of the box over steps.
+    step: Vec3,
+    both: u32,
+    second: usize,
+}
+
+/// Sums over the gain, by octaves: parts of the range in units.
+static COARSE: LazyLock<[f32; 1024]> = LazyLock::new(|| std::array::from_fn(|i| power(64 * i)));
+static FINE: LazyLock<[f32; 64]> = LazyLock::new(|| std::array::from_fn(power));
+
+fn power(units: usize) -> f32 {
+    (-(units as f64) / f64::from(UNITS) / f64::from(RANGE_STEPS)).exp2() as f32
+}
+
+impl Head {
+    fn read(bytes: &[u8], radius: f32, top_light: f32) -> Self {
+        let two = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+        let side = |at: usize| f32::from(bytes[at]);
+        Self {
+            gain: from_float16(two(0), top_light),
+            range: u32::from(bytes[2]) + 1,
+            areas: f32::from(bytes[3]) / AREA_STEPS,
+            step: vec3(side(4), side(5), side(6)) * (radius / (255.0 * STEPS)),
+            both: two(7).into(),
+            second: two(9).into(),
+        }
+    }
+
+    /// The sum of a step; 0 is black.
+    fn sum(&self, step: u32) -> f32 {
+        if step == 0 {
+            return 0.0;
+        }
+        // Under 1024 x 64 for any byte.
+        let units = (2 * self.range * (LAST - step)) as usize;
+        self.gain * COARSE[(units >> 6) & 1023] * FINE[units & 63]
+    }
+
+    /// The step of a sum, `by` apart.
+    fn step_of(&self, sum: f32, by: u32) -> u32 {
+        if sum <= 0.0 || self.gain <= 0.0 {
+            return 0;
+        }
+        let units = -(sum / self.gain).log2() * RANGE_STEPS * UNITS as f32;
+        let down = (units / (2 * by * self.range) as f32).round().max(0.0) as u32;
+        (LAST / by).saturating_sub(down).max(1)
+    }
+
+    fn area(&self, base: f32, step: u32) -> f32 {
+        base * (self.areas * (step as f32 - HALF_AREAS)).exp2()
+    }
+}
+
+fn sum(colour: [f32; 3]) -> f32 {
+    colour.iter().sum()
+}
+
+/// Writes a block in a sphere, of an area in all; second sides go to `seconds`.
+pub(crate) fn encode(
+    (centre, radius, area): (Vec3, f32, f32),
+    top_light: f32,
+    records: &[Record],
+    bytes: &mut Vec<u8>,
+    seconds: &mut Vec<u8>,
+) {
+    let start = bytes.len();
+    let both = (0..records.len()).filter(|k| records[*k].alive[1]).fold(0, |m, k| m | 1u32 << k);
+    let base = area / records.len().max(1) as f32;
+    let sides =
+        |r: &Record| [sum(r.radiance[0]), if r.alive[1] { sum(r.radiance[1]) } else { 0.0 }];
+    let lit = || records.iter().flat_map(sides).filter(|s| *s > 0.0);
+    let gain = float16_above(lit().fold(0.0, f32::max), top_light);
+    let octaves = (from_float16(gain, top_light) / lit().fold(f32::INFINITY, f32::min)).log2();
+    let range = (RANGE_STEPS * octaves).ceil().clamp(1.0, MOST_RANGE) - 1.0;
+    let apart = records.iter().map(|r| (r.area / base).log2().abs()).fold(0.0, f32::max);
+    // Sums of areas are rounded: what differs by less than that does not differ.
+    let areas =
+        if apart < 2e-3 { 0.0 } else { (AREA_STEPS * apart / HALF_AREAS).ceil().min(255.0) };
+    let half = records.iter().fold(Vec3::ZERO, |m, r| m.max((r.position - centre).abs()));
+    let sides_of_box = half * (255.0 / radius.max(f32::MIN_POSITIVE));
+    bytes.extend(gain.to_le_bytes());
+    bytes.extend([range as u8, areas as u8]);
+    bytes.extend(sides_of_box.to_array().map(|s| s.ceil().clamp(0.0, 255.0) as u8));
+    bytes.extend((both as u16).to_le_bytes());
+    bytes.extend(((seconds.len() / SECOND) as u16).to_le_bytes());
+    let head = Head::read(&bytes[start..], radius, top_light);
+    let mut owed = Owed::default();
+    for r in records {
+        let code = owed.encode(&head, centre, base, r);
+        bytes.extend(&code.to_le_bytes()[..RECORD]);
+        if r.alive[1] {
+            let (step, value) = (|sum| head.step_of(sum, 2), |step| head.sum(of_half(step)));
+            let code = owed.back.encode(r.radiance[1], (&HUE, SECOND_SUM), step, value);
+            seconds.extend((code as u16).to_le_bytes());
+        }
+    }
+    bytes.resize(start + BLOCK_BYTES, 0);
+}
+
+/// The front's step that is a back's.
+fn of_half(step: u32) -> u32 {
+    if step == 0 { 0 } else { 2 * step + 1 }
+}
+
+/// What rounding took from the surfels before.
+#[derive(Default)]
+struct Owed {
+    normal: Vec3,
+    area: f32,
+    front: Carry,
+    back: Carry,
+}
+
+impl Owed {
+    fn encode(&mut self, head: &Head, centre: Vec3, base: f32, r: &Record) -> u64 {
+        let place = (r.position - centre) / head.step.max(Vec3::splat(f32::MIN_POSITIVE));
+        let place = place.to_array().map(|c| (c.round().clamp(-STEPS, STEPS) + STEPS) as u64);
+        let normal = octahedral(r.normal + self.normal).map(|c| grid(c, NORMAL));
+        let coded = unfolded(normal.map(|c| from_grid(c, NORMAL))).normalize_or(Vec3::Z);
+        self.normal = (self.normal + r.normal - coded).clamp_length_max(OWED);
+        let wanted = ((r.area + self.area) / base).max(f32::MIN_POSITIVE).log2();
+        let step = if head.areas > 0.0 { wanted / head.areas } else { 0.0 };
+        let step = (step + HALF_AREAS).round().clamp(0.0, 2.0 * HALF_AREAS) as u32;
+        self.area = (self.area + r.area - head.area(base, step)).clamp(-r.area, r.area);
+        let (step_of, value) = (|sum| head.step_of(sum, 1), |step| head.sum(step));
+        let colour = self.front.encode(r.radiance[0], (&HUE, SUM), step_of, value);
+        let [x, y, z] = place;
+        let [nx, ny] = normal.map(u64::from);
+        let place = x | y << PLACE | z << (2 * PLACE);
+        let normal = nx | ny << NORMAL;
+        place | normal << NORMAL_AT | u64::from(step) << AREA_AT | colour << COLOUR_AT
+    }
+}
+
+/// The vector of a place on the octahedron's square, of any length.
+fn unfolded([x, y]: [f32; 2]) -> Vec3 {
+    let z = 1.0 - x.abs() - y.abs();
+    let under = (-z).max(0.0);
+    vec3(x - under.copysign(x), y - under.copysign(y), z)
+}
+
+/// A block's bytes, to be read.
+pub(crate) struct Block<'a> {
+    bytes: &'a [u8; BLOCK_BYTES],
+    head: Head,
+    count: usize,
+    base: f32,
+    places: Places,
+    seconds: &'a [u8],
+}
+
+impl<'a> Block<'a> {
+    /// A block of `count` records in a sphere, of an area in all.
+    pub(crate) fn new(
+        bytes: &'a [u8],
+        seconds: &'a [u8],
+        count: usize,
+        (centre, radius, area): (Vec3, f32, f32),
+        top_light: f32,
+    ) -> Self {
+        // Of a length that is known, so that places in it need no checks.
+        let bytes: &[u8; BLOCK_BYTES] = first(bytes);
+        let head = Head::read(bytes, radius, top_light);
+        let mut low = [0; BLOCK];
+        for (k, code) in low.iter_mut().enumerate() {
+            *code = u32::from_le_bytes(*first(&bytes[HEAD + k * RECORD..]));
+        }
+        let base = area / count.max(1) as f32;
+        let places = places(&low, centre, head.step, head.both);
+        Self { bytes, head, count, base, places, seconds }
+    }
+
+    /// Calls `each` with the records that `wanted` names in a mask of bits.
+    #[inline]
+    pub(crate) fn records(&self, wanted: impl Fn(&Places) -> u32, mut each: impl FnMut(&Record)) {
+        let mut left = wanted(&self.places) & ((1 << self.count) - 1);
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
+            left &= left - 1;
+            each(&self.record(k));
+        }
+    }
+
+    fn record(&self, k: usize) -> Record {
+        // The last four bytes hold all behind the position.
+        let code = u32::from_le_bytes(*first(&self.bytes[HEAD + k * RECORD + 2..]));
+        let colour = code >> (COLOUR_AT - 16);
+        let two = self.head.both >> k & 1 == 1;
+        let lane = |axes: &[[f32; BLOCK]; 3]| vec3(axes[0][k], axes[1][k], axes[2][k]);
+        let area = match self.head.areas > 0.0 {
+            true => self.head.area(self.base, code >> (AREA_AT - 16) & ((1 << AREA) - 1)),
+            false => self.base,
+        };
+        let front = HUE.colour(colour >> SUM, self.head.sum(colour & LAST));
+        let back = if two { self.second(k) } else { [0.0; 3] };
+        Record {
+            position: lane(&self.places.position),
+            normal: lane(&self.places.normal).normalize_or(Vec3::Z),
+            area,
+            alive: [true, two],
+            albedo: [0.0; 3],
+            radiance: [front, back],
+        }
+    }
+
+    fn second(&self, k: usize) -> [f32; 3] {
+        let before = (self.head.both & ((1 << k) - 1)).count_ones() as usize;
+        let at = SECOND * (self.head.second + before);
+        // Forged bytes may name what is not there.
+        let code = self.seconds.get(at..at + SECOND).map_or(0, |b| u16::from_le_bytes(*first(b)));
+        HUE.colour(
+            u32::from(code) >> SECOND_SUM,
+            self.head.sum(of_half(u32::from(code) & (LAST >> 1))),
+        )
+    }
+}
+
+/// The first bytes of some; zeros where there are fewer.
+#[inline]
+fn first<const N: usize>(bytes: &[u8]) -> &[u8; N] {
+    bytes.first_chunk().unwrap_or(&[0; N])
+}
+
+/// Positions and normals of the records of a block.
+#[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
+fn places(codes: &[u32; BLOCK], centre: Vec3, step: Vec3, both: u32) -> Places {
+    let mut places = Places { both, ..Places::default() };
+    for (i, position) in places.position.iter_mut().enumerate() {
+        for k in 0..BLOCK {
+            let place = codes[k] >> (PLACE * i as u32) & ((1 << PLACE) - 1);
+            position[k] = centre[i] + (place as i32 as f32 - STEPS) * step[i];
+        }
+    }
+    let [nx, ny, nz] = &mut places.normal;
+    let half = ((1 << (NORMAL - 1)) - 1) as f32;
+    for k in 0..BLOCK {
+        let at = |shift: u32| (codes[k] >> shift & ((1 << NORMAL) - 1)) as i32 as f32;
+        let x = (at(NORMAL_AT) - half) * half.recip();
+        let y = (at(NORMAL_AT + NORMAL) - half) * half.recip();
+        let z = 1.0 - x.abs() - y.abs();
+        let under = (-z).max(0.0);
+        nx[k] = x - under.copysign(x);
+        ny[k] = y - under.copysign(y);
+        nz[k] = z;
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packed::{records, tests::sheet};
+
+    /// Records, coded and read.
+    fn again(records: &[Record], areas: f32) -> Vec<Record> {
+        let low = records.iter().fold(Vec3::INFINITY, |m, r| m.min(r.position));
+        let high = records.iter().fold(Vec3::NEG_INFINITY, |m, r| m.max(r.position));
+        let ball = (0.5 * (low + high), 0.51 * low.distance(high), areas);
+        let (mut bytes, mut seconds) = (Vec::new(), Vec::new());
+        encode(ball, 8.0, records, &mut bytes, &mut seconds);
+        assert_eq!(bytes.len(), BLOCK_BYTES);
+        assert_eq!(seconds.len(), SECOND * records.iter().filter(|r| r.alive[1]).count());
+        let block = Block::new(&bytes, &seconds, records.len(), ball, 8.0);
+        let mut all = Vec::new();
+        block.records(|_| u32::MAX, |r| all.push(*r));
+        all
+    }
+
+    fn area(records: &[Record]) -> f32 {
+        records.iter().map(|r| r.area).sum()
+    }
+
+    #[test]
+    fn what_a_block_shares_is_exact() {
+        let mut all = records(&sheet(16));
+        for r in &mut all {
+            r.position.y = 0.25;
+            r.normal = Vec3::Y;
+            r.radiance = [[3.0, 0.0, 0.0], [0.5; 3]];
+        }
+        for (a, b) in all.iter().zip(again(&all, area(&all))) {
+            assert!(
+                (a.position.y - b.position.y).abs() < 1e-6 && b.normal.distance(Vec3::Y) < 1e-6
+            );
+            assert!((a.area / b.area - 1.0).abs() < 1e-3 && b.radiance[0][1] == 0.0);
+            let [r, g, b] = b.radiance[1];
+            assert!((r - b).abs() < 1e-6 && (r - g).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn darkness_stays_dark_and_areas_that_differ_differ() {
+        let mut all = records(&sheet(16));
+        for (k, r) in all.iter_mut().enumerate() {
+            r.area *= if k < 8 { 1.0 } else { 4.0 };
+            r.alive = [true; 2];
+            let light = if k % 2 == 0 { 0.0 } else { 1.0 + k as f32 };
+            r.radiance = [[light; 3], [0.1 * light; 3]];
+        }
+        let back = again(&all, area(&all));
+        assert_eq!(back.len(), all.len());
+        for (k, (a, b)) in all.iter().zip(&back).enumerate() {
+            assert!((a.area / b.area).log2().abs() < 1.0, "{} {}", a.area, b.area);
+            assert!(k % 2 == 1 || b.radiance == [[0.0; 3]; 2]);
+        }
+        assert!((area(&all) / area(&back) - 1.0).abs() < 0.15);
+    }
+
+    #[test]
+    fn any_bytes_are_some_records() {
+        let bytes: Vec<u8> =
+            (0..BLOCK_BYTES).map(|i| chiaro_basis::random::hash(3, i as u64) as u8).collect();
+        for seconds in [&[][..], &[7; 5], &[255; 64]] {
+            let block = Block::new(&bytes, seconds, BLOCK, (Vec3::ONE, 2.0, 5.0), 1.0);
+            block.records(
+                |_| u32::MAX,
+                |r| {
+                    assert!(
+                        r.normal.is_normalized()
+                            && r.radiance.as_flattened().iter().all(|l| l.is_finite())
+                    )
+                },
+            );
+        }
+    }
+}
