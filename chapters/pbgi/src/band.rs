@@ -7,7 +7,8 @@
 use crate::cluster::Pixel;
 use crate::field::Light;
 use crate::indirect::Indirect;
-use crate::pool::{self, Pooled, pool};
+use crate::opening::Dome;
+use crate::pool::{self, SIDE, pool};
 use crate::receiver::Receiver;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -42,27 +43,20 @@ impl Band {
 
     /// Pools the hits around some rows, writes what comes of them, and lets go of rows that are not
     /// needed any more.
-    pub(crate) fn settle(&mut self, rows: std::ops::Range<usize>, found: &mut Indirect) {
+    /// A dome lights through what is open, where that is wanted.
+    pub(crate) fn settle(
+        &mut self,
+        rows: std::ops::Range<usize>,
+        dome: Option<&Dome>,
+        found: &mut Indirect,
+    ) {
         let width = found.irradiance.width();
-        let step = pool::STEP as isize;
-        let columns = width.div_ceil(pool::STEP) + 1;
-        let first = rows.start as isize / step - 1;
-        let count = (rows.end as isize - 1).div_euclid(step) - first + 1;
-        let blocks: Vec<Pooled> = (0..count as usize * columns)
-            .into_par_iter()
-            .map(|i| {
-                let (x, y) =
-                    ((i % columns) as isize * step - step, (first + (i / columns) as isize) * step);
-                let side = pool::SIDE as isize;
-                pool(&std::array::from_fn(|k| {
-                    self.at(x + k as isize % side, y + k as isize / side).map(|g| &g.0)
-                }))
-            })
-            .collect();
+        let (first, columns, blocks) = self.blocks(&rows, width, pool);
+        self.open(&rows, dome, found);
         for y in rows.clone() {
             for x in 0..width {
                 let Some((_, far)) = self.at(x as isize, y as isize) else { continue };
-                let near = Self::near(&blocks, columns, first, (x, y));
+                let near = mean(&blocks, columns, first, (x, y));
                 let light: Light = std::array::from_fn(|c| (far[c] + near[c]).max(0.0));
                 found.irradiance[(x, y)] = [light[0], light[1], light[2]];
                 found.openness[(x, y)] = (light[3] * FRAC_1_PI).min(1.0);
@@ -75,19 +69,59 @@ impl Band {
         }
     }
 
-    /// The mean of the blocks over a pixel, by their weights there.
-    fn near(blocks: &[Pooled], columns: usize, first: isize, (x, y): Pixel) -> Light {
-        let (column, row) = (x / pool::STEP, (y / pool::STEP) as isize - first);
-        let mut sum = [0.0; 4];
-        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            // A block one to the left or above has the pixel in its second half.
-            let block = &blocks[(row as usize - dy) * columns + column + 1 - dx];
-            let (i, j) = (x % pool::STEP + dx * pool::STEP, y % pool::STEP + dy * pool::STEP);
-            let (weight, light) = block[j * pool::SIDE + i];
-            (0..4).for_each(|c| sum[c] += weight * light[c]);
-        }
-        sum
+    /// What becomes of every block of receivers over some rows: the first row of blocks, their number in a
+    /// row, and all.
+    fn blocks<P: Send>(
+        &self,
+        rows: &std::ops::Range<usize>,
+        width: usize,
+        of: impl Fn(&[Option<&Receiver>; SIDE * SIDE]) -> P + Sync,
+    ) -> (isize, usize, Vec<P>) {
+        let step = pool::STEP as isize;
+        let columns = width.div_ceil(pool::STEP) + 1;
+        let first = rows.start as isize / step - 1;
+        let count = (rows.end as isize - 1).div_euclid(step) - first + 1;
+        let blocks = (0..count as usize * columns).into_par_iter().map(|i| {
+            let (x, y) =
+                ((i % columns) as isize * step - step, (first + (i / columns) as isize) * step);
+            let side = SIDE as isize;
+            of(&std::array::from_fn(|k| {
+                self.at(x + k as isize % side, y + k as isize / side).map(|g| &g.0)
+            }))
+        });
+        (first, columns, blocks.collect())
     }
+
+    /// Writes the openings of some rows.
+    fn open(&self, rows: &std::ops::Range<usize>, dome: Option<&Dome>, found: &mut Indirect) {
+        let (Some(dome), Some(openings)) = (dome, &mut found.openings) else { return };
+        let width = openings.bent.width();
+        let (first, columns, blocks) = self.blocks(rows, width, |r| pool::open(r, dome));
+        for (x, y) in rows.clone().flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let Some((receiver, _)) = self.at(x as isize, y as isize) else { continue };
+            let near = mean(&blocks, columns, first, (x, y));
+            openings.set((x, y), &std::array::from_fn(|c| receiver.opening[c] + near[c]));
+        }
+    }
+}
+
+/// The mean of the blocks over a pixel, by their weights there.
+fn mean<const N: usize>(
+    blocks: &[[(f32, [f32; N]); SIDE * SIDE]],
+    columns: usize,
+    first: isize,
+    (x, y): Pixel,
+) -> [f32; N] {
+    let (column, row) = (x / pool::STEP, (y / pool::STEP) as isize - first);
+    let mut sum = [0.0; N];
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        // A block one to the left or above has the pixel in its second half.
+        let block = &blocks[(row as usize - dy) * columns + column + 1 - dx];
+        let (i, j) = (x % pool::STEP + dx * pool::STEP, y % pool::STEP + dy * pool::STEP);
+        let (weight, light) = block[j * SIDE + i];
+        (0..N).for_each(|c| sum[c] += weight * light[c]);
+    }
+    sum
 }
 
 #[cfg(test)]

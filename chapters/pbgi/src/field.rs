@@ -4,6 +4,8 @@
 //! partition, since near rays end at the same sphere. A pixel sees each texel from where it stands:
 //! as a flat piece of surface at its mean distance, slanted as what is there.
 
+mod opening;
+
 use crate::cluster::Pixel;
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::{Chooser, Splat};

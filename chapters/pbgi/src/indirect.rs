@@ -1,10 +1,12 @@
 //! From a lit frame to the irradiance of every pixel.
 
 use crate::bounce::bounce;
+use crate::cube::CubeShape;
 use crate::grid::SurfelGrid;
 use crate::hierarchy::Hierarchy;
 use crate::knob::LightKnobs;
 use crate::near::Reflected;
+use crate::opening::{Dome, Opening, Openings};
 use crate::pixel::{self, Gathered, Workspace};
 use crate::records;
 use crate::site::Site;
@@ -86,6 +88,8 @@ pub struct Indirect {
     pub irradiance: Plane<[f32; 3]>,
     /// The open share of the hemisphere, by cosine.
     pub openness: Plane<f32>,
+    /// From where it is open, if that is wanted.
+    pub openings: Option<Openings>,
     /// Cube buffers filled.
     pub gathers: u64,
     /// Nodes visited by all of them.
@@ -98,10 +102,24 @@ impl Indirect {
         Self {
             irradiance: Plane::filled(width, height, [0.0; 3]),
             openness: Plane::filled(width, height, 1.0),
+            openings: None,
             gathers: 0,
             visited: 0,
         }
     }
+
+    /// The same with room for what is wanted.
+    pub(crate) fn wanting(wanted: Wanted, width: usize, height: usize) -> Self {
+        let openings = wanted.openings.then(|| Openings::none(width, height));
+        Self { openings, ..Self::none(width, height) }
+    }
+}
+
+/// What is wanted of a gather beside irradiance and openness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// From where pixels are open: [`Indirect::openings`].
+    pub openings: bool,
 }
 
 /// Lights the sites of a frame and builds the tree.
@@ -134,6 +152,16 @@ pub fn indirect<T: Hierarchy>(
     buffer: &GBuffer,
     run: &Run,
 ) -> Result<Indirect> {
+    indirect_of(scene, buffer, Wanted::default(), run)
+}
+
+/// The same with more that is wanted; nothing of it with 0 bounces.
+pub fn indirect_of<T: Hierarchy>(
+    scene: &Prepared<T>,
+    buffer: &GBuffer,
+    wanted: Wanted,
+    run: &Run,
+) -> Result<Indirect> {
     let (width, height) = buffer.size();
     let by_records = scene.knobs.is_by_records();
     if scene.knobs.bounces == 0 || (scene.tree.is_empty() && !by_records) {
@@ -141,17 +169,25 @@ pub fn indirect<T: Hierarchy>(
     }
     run.stage("gather", (width * height) as u64, || match scene.knobs.error_bound {
         _ if by_records => records::indirect(scene, buffer, run),
-        bound if bound > 0.0 => tile::indirect(scene, buffer, run),
-        _ => by_pixel(scene, buffer, run),
+        bound if bound > 0.0 => tile::indirect(scene, buffer, wanted, run),
+        _ => by_pixel(scene, buffer, wanted, run),
     })
 }
 
 /// Every pixel by itself.
-fn by_pixel<T: Hierarchy>(scene: &Prepared<T>, buffer: &GBuffer, run: &Run) -> Result<Indirect> {
+fn by_pixel<T: Hierarchy>(
+    scene: &Prepared<T>,
+    buffer: &GBuffer,
+    wanted: Wanted,
+    run: &Run,
+) -> Result<Indirect> {
     let (width, height) = buffer.size();
     let side = scene.knobs.resolution as usize;
     let occlusion = scene.knobs.occlusion * buffer.radius;
-    let gathered: Vec<Vec<Option<Gathered>>> = (0..height)
+    let dome = wanted
+        .openings
+        .then(|| Dome::new(scene.lit.lights.sky.as_deref(), &[CubeShape::new(side)]));
+    let gathered: Vec<Vec<Option<(Gathered, Opening)>>> = (0..height)
         .into_par_iter()
         .map_init(
             || Workspace::new(side),
@@ -160,16 +196,23 @@ fn by_pixel<T: Hierarchy>(scene: &Prepared<T>, buffer: &GBuffer, run: &Run) -> R
                 let pixel = |x| {
                     buffer.covered[(x, y)].then(|| {
                         let at = Vertex::of_pixel(scene.lit.tracer, buffer, (x, y));
-                        pixel::gather(scene, &at, occlusion, work, (y * width + x) as u64)
+                        let seed = (y * width + x) as u64;
+                        let gathered = pixel::gather(scene, &at, occlusion, work, seed);
+                        let open =
+                            |dome| pixel::opening(work, at.normal, at.side, occlusion, dome);
+                        (gathered, dome.as_ref().map_or([0.0; 6], open))
                     })
                 };
                 Ok((0..width).map(pixel).collect())
             },
         )
         .collect::<Result<_>>()?;
-    let mut found = Indirect::none(width, height);
+    let mut found = Indirect::wanting(wanted, width, height);
     for (i, one) in gathered.into_iter().flatten().enumerate() {
-        if let Some(one) = one {
+        if let Some((one, opening)) = one {
+            if let Some(openings) = &mut found.openings {
+                openings.set((i % width, i / width), &opening);
+            }
             found.irradiance.pixels_mut()[i] = one.irradiance;
             found.openness.pixels_mut()[i] = one.openness;
             found.gathers += 1;

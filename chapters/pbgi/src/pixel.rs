@@ -9,6 +9,7 @@ use crate::cut::{Chooser, Splat};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
 use crate::near;
+use crate::opening::{Dome, Opening};
 use chiaro_basis::math::Vec3;
 use chiaro_trace::{Sequence, Sides, Vertex};
 use std::f32::consts::FRAC_1_PI;
@@ -100,6 +101,30 @@ fn sum(buffer: &CubeBuffer, normal: Vec3, occlusion: f32) -> Gathered {
         }
     }
     sum.openness = sum.openness.max(0.0);
+    sum
+}
+
+/// The opening of a receiver whose buffer was just gathered, under a dome.
+pub(crate) fn opening(
+    work: &Workspace,
+    normal: Vec3,
+    side: Vec3,
+    occlusion: f32,
+    dome: &Dome,
+) -> Opening {
+    let shape = work.buffer.shape();
+    let radiance = dome.of_side(shape.side());
+    let mut sum = [0.0; 6];
+    for (i, (d, omega)) in shape.directions.iter().zip(&shape.solid_angles).enumerate() {
+        if d.dot(side) <= 0.0 {
+            continue;
+        }
+        let near = work.buffer.texels()[i].mean_distance() < occlusion;
+        let open = if near { 1.0 - work.buffer.coverage(i) } else { 1.0 };
+        let weight = d.dot(normal).max(0.0) * omega * open.max(0.0);
+        (0..3).for_each(|c| sum[c] += weight * d[c]);
+        (0..3).for_each(|c| sum[3 + c] += weight * radiance[i][c]);
+    }
     sum
 }
 

@@ -6,8 +6,11 @@
 //! and fade into each other, so that they do not show. Receivers of a block that are far apart do
 //! not share.
 
+mod opening;
+
 use crate::field::Light;
 use crate::receiver::Receiver;
+pub(crate) use opening::open;
 use std::f32::consts::PI;
 
 /// Pixels along a block's side; blocks begin every half of it.
@@ -80,16 +83,26 @@ impl Group {
 pub(crate) fn pool(receivers: &[Option<&Receiver>; LANES]) -> Pooled {
     let mut pooled = [(0.0, [0.0; 4]); LANES];
     for (i, (weight, _)) in pooled.iter_mut().enumerate() {
-        *weight = FADE[i % SIDE] * FADE[i / SIDE];
+        *weight = weight_at(i);
     }
+    groups(receivers, |some| share(receivers, some, &mut pooled));
+    pooled
+}
+
+/// The weight of a block at one of its pixels.
+fn weight_at(place: usize) -> f32 {
+    FADE[place % SIDE] * FADE[place / SIDE]
+}
+
+/// Calls for every group of receivers that share.
+fn groups(receivers: &[Option<&Receiver>; LANES], mut call: impl FnMut(&[usize])) {
     let mut left: Vec<usize> = (0..LANES).filter(|&i| receivers[i].is_some()).collect();
     while let Some(first) = left.first().and_then(|&i| receivers[i]) {
         let near = |i: &usize| receivers[*i].is_some_and(|r| are_near(first, r));
         let (some, rest): (Vec<usize>, Vec<usize>) = left.iter().partition(|i| near(i));
-        share(receivers, &some, &mut pooled);
+        call(&some);
         left = rest;
     }
-    pooled
 }
 
 /// Whether two receivers share: on one plane, however slanted it is; else only if they are close.

@@ -6,6 +6,7 @@ use crate::field::{Field, Light};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
 use crate::near;
+use crate::opening::{Dome, Opening};
 use crate::surfel::Lit;
 use chiaro_basis::math::Vec3;
 use chiaro_trace::{GBuffer, Sequence, Sides, Tracer, Vertex};
@@ -36,6 +37,8 @@ pub(crate) struct Receiver {
     pub(crate) rays: u32,
     /// Those that hit.
     pub(crate) hits: Vec<Residual>,
+    /// What the far fields leave open, where that is wanted.
+    pub(crate) opening: Opening,
 }
 
 /// Fields that a receiver mixes, with their shares, and the shapes of their buffers.
@@ -55,6 +58,16 @@ impl Mix<'_> {
         sum
     }
 
+    /// What the far fields leave open to a receiver under a dome.
+    pub(crate) fn opening(&self, at: &Vertex, dome: &Dome) -> Opening {
+        let mut sum = [0.0; 6];
+        for (share, field) in &self.parts {
+            let open = field.opening(at, dome.of_side(field.side()));
+            (0..6).for_each(|c| sum[c] += share * open[c]);
+        }
+        sum
+    }
+
     fn far(&self, field: &Field, origin: Vec3, direction: Vec3) -> Light {
         let [first, second] = self.shapes;
         let shape = if first.side() == field.side() { first } else { second };
@@ -70,7 +83,7 @@ impl Receiver {
         let (x, y) = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let (_, direction) = buffer.pose.ray(x, y, w as f32, h as f32);
         let stretch = 1.0 / direction.dot(at.side).abs().max(LEAST_COSINE);
-        Self { pixel, at, footprint, stretch, rays: 0, hits: Vec::new() }
+        Self { pixel, at, footprint, stretch, rays: 0, hits: Vec::new(), opening: [0.0; 6] }
     }
 
     /// Casts near rays up to number `until`; a hit counts for every field whose ball holds it, less

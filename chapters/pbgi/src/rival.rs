@@ -45,7 +45,7 @@ pub fn pooled_paths(
         let rows: Vec<Vec<_>> = (top..end).into_par_iter().map(row).collect::<Result<_>>()?;
         band.add(width, end, rows.into_iter().flatten());
         let until = if end == height { height } else { end - pool::STEP };
-        band.settle(done..until, &mut found);
+        band.settle(done..until, None, &mut found);
         done = until;
     }
     Ok(found)

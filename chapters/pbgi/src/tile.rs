@@ -24,7 +24,8 @@ use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::Splat;
 use crate::field::{Ball, Field, Gathering, Light};
 use crate::hierarchy::Hierarchy;
-use crate::indirect::{Indirect, Prepared};
+use crate::indirect::{Indirect, Prepared, Wanted};
+use crate::opening::Dome;
 use crate::pool;
 use crate::receiver::{Lattice, Mix, Receiver};
 use chiaro_basis::math::Vec3;
@@ -100,27 +101,32 @@ struct Picture<'a, 'b, T: Hierarchy> {
     rows: usize,
     /// What is farther does not occlude, scene units.
     occlusion: f32,
+    /// What lights through openings, where they are wanted.
+    dome: Option<Dome>,
 }
 
-/// Irradiance by reflected light at the covered pixels.
+/// Irradiance by reflected light at the covered pixels, and what else is wanted of them.
 pub(crate) fn indirect<T: Hierarchy>(
     scene: &Prepared<T>,
     buffer: &GBuffer,
+    wanted: Wanted,
     run: &Run,
 ) -> Result<Indirect> {
     let (width, height) = buffer.size();
     let side = |m: Manner| (scene.knobs.resolution as f32 * m.resolution).round().max(2.0) as usize;
     let bound = scene.knobs.error_bound;
+    let shapes = [CALM, BUSY].map(|m| CubeShape::new(side(m)));
     let picture = Picture {
         scene,
         buffer,
-        shapes: [CALM, BUSY].map(|m| CubeShape::new(side(m))),
+        dome: wanted.openings.then(|| Dome::new(scene.lit.lights.sky.as_deref(), &shapes)),
+        shapes,
         lattice: Lattice::new(&[&rays(CALM, bound), &[rays(BUSY, bound)[2]]], scene.shift),
         columns: width.div_ceil(TILE),
         rows: height.div_ceil(TILE),
         occlusion: scene.knobs.occlusion * buffer.radius,
     };
-    let mut found = Indirect::none(width, height);
+    let mut found = Indirect::wanting(wanted, width, height);
     let mut tiles: VecDeque<Vec<Tile>> = VecDeque::new();
     let mut band = Band::default();
     let (mut first, mut built, mut done) = (0, 0, 0);
@@ -141,7 +147,7 @@ pub(crate) fn indirect<T: Hierarchy>(
         picture.receivers(&above, top..end, &mut band, run)?;
         let last = (end * TILE).min(height);
         let until = if last == height { height } else { last - pool::STEP };
-        band.settle(done..until, &mut found);
+        band.settle(done..until, picture.dome.as_ref(), &mut found);
         done = until;
     }
     Ok(found)
@@ -314,6 +320,10 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
             .zip(&mixes)
             .map(|(r, mix)| nodes.interpolated(r).unwrap_or_else(|| mix.irradiance(&r.at)))
             .collect();
+        if let Some(dome) = &self.dome {
+            let opened = receivers.iter_mut().zip(&mixes);
+            opened.for_each(|(r, mix)| r.opening = mix.opening(&r.at, dome));
+        }
         receivers.into_iter().zip(far).collect()
     }
 

@@ -92,6 +92,20 @@ impl Sky {
         })
     }
 
+    /// Direction, radiance and solid angle of every texel.
+    pub fn texels(&self) -> impl Iterator<Item = (Vec3, [f32; 3], f32)> {
+        let (width, height) = self.radiance.size();
+        (0..height).flat_map(move |y| {
+            let (sine, cosine) = (PI * (y as f32 + 0.5) / height as f32).sin_cos();
+            let solid_angle = texel_solid_angle(y, (width, height));
+            (0..width).map(move |x| {
+                let longitude = TAU * ((x as f32 + 0.5) / width as f32 - 0.5);
+                let towards = Vec3::new(sine * longitude.sin(), cosine, -sine * longitude.cos());
+                (towards, self.radiance[(x, y)], solid_angle)
+            })
+        })
+    }
+
     /// The density with which [`Sky::sample`] finds a direction, per solid angle.
     pub fn density(&self, towards: Vec3) -> f32 {
         if self.is_black() { 0.0 } else { luminance(self.radiance(towards)) / self.power }

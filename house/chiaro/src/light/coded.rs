@@ -8,7 +8,7 @@ use chiaro_basis::{Result, Run};
 use chiaro_pbgi::compact::{Builder, Compact};
 use chiaro_pbgi::curve::Cube;
 use chiaro_pbgi::packed::Packed;
-use chiaro_pbgi::{Indirect, LightKnobs, Lit, Prepared, coverage, indirect, prepare, stream};
+use chiaro_pbgi::{Indirect, LightKnobs, Lit, Prepared, Wanted, coverage, indirect, indirect_of, prepare, stream};
 use chiaro_trace::GBuffer;
 use serde_json::{Map, Value, json};
 use std::sync::PoisonError;
@@ -23,14 +23,14 @@ pub(super) struct Gathered {
     pub(super) counts: Map<String, Value>,
 }
 
-/// Lights a frame, builds its tree and gathers from it at a buffer's pixels; with `oracle` also from the
-/// tree that was not coded.
+/// Lights a frame, builds its tree and gathers what is wanted from it at a buffer's pixels; with `oracle`
+/// also from the tree that was not coded.
 pub(super) fn gather(
     shot: &Shot,
     lit: &Lit,
     buffer: &GBuffer,
     knobs: &LightKnobs,
-    oracle: bool,
+    (wanted, oracle): (Wanted, bool),
     run: &Run,
 ) -> Result<Gathered> {
     let dark = LightKnobs { bounces: 0, ..knobs.clone() };
@@ -45,7 +45,7 @@ pub(super) fn gather(
         let (surfels, bytes) = (sparse.surfels.all.len() as u64, sparse.tree.bytes());
         let nodes = sparse.tree.nodes.len();
         let covered = coverage(lit, &sparse.surfels, &sparse.reflected.grid);
-        let found = indirect(&sparse, buffer, run)?;
+        let found = indirect_of(&sparse, buffer, wanted, run)?;
         let mut counts = measures([surfels, nodes as u64, 0, bytes as u64], dead, &found);
         counts.insert("surfel_coverage".into(), json!(covered));
         shot.kept.keep(sparse);
@@ -62,7 +62,7 @@ pub(super) fn gather(
     let (bytes, nodes, records) = (tree.store.bytes(), tree.store.nodes(), tree.store.records);
     let sides = tree.store.sides();
     let (scene, _) = sparse.with_tree(tree);
-    let found = indirect(&scene, buffer, run)?;
+    let found = indirect_of(&scene, buffer, wanted, run)?;
     let numbers = [shot.spread.count, nodes as u64, words as u64, bytes as u64];
     let mut counts = measures(numbers, dead, &found);
     counts.insert("records".into(), json!(records));

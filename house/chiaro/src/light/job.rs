@@ -13,7 +13,7 @@ use crate::project::Project;
 use crate::record::{Record, frame_recipe, knob_settings};
 use chiaro_basis::{Error, Result, Run, choice};
 use chiaro_image::{Plane, codec};
-use chiaro_pbgi::LightKnobs;
+use chiaro_pbgi::{LightKnobs, Openings, Wanted};
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::Lit;
 use chiaro_scene::Frame;
@@ -52,8 +52,8 @@ const BATCH: u32 = 64;
 /// Rays of the occlusion layer beside paths.
 const OCCLUSION_RAYS: usize = 8;
 
-/// What a method finds of a frame: light, openness, measures.
-type Found = (Plane<Seen>, Plane<f32>, Map<String, Value>);
+/// What a method finds of a frame: light, openness and from where, measures.
+type Found = (Plane<Seen>, (Plane<f32>, Option<Openings>), Map<String, Value>);
 
 /// A light job.
 pub struct Job<'a> {
@@ -182,7 +182,7 @@ impl Job<'_> {
         let buffer = buffer?;
         let lights = shot.lights(&tracer);
         let lit = Lit { tracer: &tracer, surfaces: &shot.surfaces, lights: &lights };
-        let (seen, openness, measures) = match self.method {
+        let (seen, (openness, openings), measures) = match self.method {
             Method::Pbgi => self.by_points(shot, &lit, &buffer, run)?,
             Method::Path => self.by_paths(&lit, &buffer, run)?,
         };
@@ -193,7 +193,10 @@ impl Job<'_> {
             beyond: scale(s.beyond),
             coverage: s.coverage,
         });
-        Ok((Layers { seen, openness, buffer }, measures))
+        // A white dome in the place of a sky has no unit.
+        let unit = if lights.sky.is_some() { shot.exposure } else { 1.0 };
+        let openings = openings.map(|o| Openings { dome: o.dome.map(|l| l.map(|c| c * unit)), ..o });
+        Ok((Layers { seen, openness, openings, buffer }, measures))
     }
 
     fn by_points(&self, shot: &Shot, lit: &Lit, buffer: &GBuffer, run: &Run) -> Result<Found> {
@@ -202,7 +205,7 @@ impl Job<'_> {
             .stage("channels", pixels, || direct_irradiance(lit.tracer, buffer, lit.lights, run))?;
         let oracle = self.check == Check::Exact;
         let Gathered { found, exact, mut counts } =
-            coded::gather(shot, lit, buffer, self.knobs, oracle, run)?;
+            coded::gather(shot, lit, buffer, self.knobs, (self.wanted(), oracle), run)?;
         let irradiance = Irradiance { direct: &direct, indirect: &found.irradiance };
         let side = self.knobs.edges;
         let seen = run.stage("draw", pixels, || resolve(lit, buffer, &irradiance, side, run))?;
@@ -218,7 +221,12 @@ impl Job<'_> {
             let truth = resolve(lit, buffer, &irradiance, side, run)?;
             counts.extend(check::against_exact(shot, &seen, &truth, self.knobs)?);
         }
-        Ok((seen, found.openness, counts))
+        Ok((seen, (found.openness, found.openings), counts))
+    }
+
+    /// What only layers need.
+    fn wanted(&self) -> Wanted {
+        Wanted { openings: self.target.extension() == "exr" && self.knobs.bounces > 0 }
     }
 
     fn by_paths(&self, lit: &Lit, buffer: &GBuffer, run: &Run) -> Result<Found> {
@@ -255,7 +263,7 @@ impl Job<'_> {
             })?,
             _ => Plane::filled(width, height, 1.0),
         };
-        Ok((seen, openness, counts))
+        Ok((seen, (openness, None), counts))
     }
 
     pub(super) fn settings(&self, shot: &Shot) -> Map<String, Value> {

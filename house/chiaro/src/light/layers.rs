@@ -5,6 +5,7 @@ use chiaro_image::Plane;
 use chiaro_image::codec::{self, ExrChannel, ExrImage};
 use chiaro_image::colour::{srgb_encode, to_byte};
 use chiaro_image::tone::Tone;
+use chiaro_pbgi::Openings;
 use chiaro_pbgi::resolve::Seen;
 use chiaro_trace::GBuffer;
 
@@ -14,6 +15,8 @@ pub(crate) struct Layers {
     pub(crate) seen: Plane<Seen>,
     /// Ambient occlusion: the open share of the hemisphere.
     pub(crate) openness: Plane<f32>,
+    /// Directional occlusion, where it was asked for.
+    pub(crate) openings: Option<Openings>,
     /// Geometry, through pixel centres.
     pub(crate) buffer: GBuffer,
 }
@@ -66,6 +69,12 @@ impl Layers {
         push("depth.Z".into(), depth?);
         for (c, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
             push(format!("normal.{axis}"), b.normal.map(|v| v[c]));
+        }
+        if let Some(Openings { bent, dome }) = &self.openings {
+            for (c, (axis, name)) in [("X", "R"), ("Y", "G"), ("Z", "B")].into_iter().enumerate() {
+                push(format!("bent.{axis}"), bent.map(|v| v[c]));
+                push(format!("dome.{name}"), dome.map(|v| v[c]));
+            }
         }
         let attributes = [("chiaro".to_owned(), recipe.to_owned())].into();
         codec::write_exr(&ExrImage { size: b.size(), layers, attributes })
