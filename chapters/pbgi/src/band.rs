@@ -106,7 +106,7 @@ impl Band {
 }
 
 /// The mean of the blocks over a pixel, by their weights there.
-fn mean<const N: usize>(
+pub(crate) fn mean<const N: usize>(
     blocks: &[[(f32, [f32; N]); SIDE * SIDE]],
     columns: usize,
     first: isize,

@@ -2,6 +2,7 @@
 
 use crate::bounce::bounce;
 use crate::cube::CubeShape;
+use crate::glossy;
 use crate::grid::SurfelGrid;
 use crate::hierarchy::Hierarchy;
 use crate::knob::LightKnobs;
@@ -90,6 +91,8 @@ pub struct Indirect {
     pub openness: Plane<f32>,
     /// From where it is open, if that is wanted.
     pub openings: Option<Openings>,
+    /// Radiance towards the eye by specular reflection of all light, if that is wanted.
+    pub specular: Option<Plane<[f32; 3]>>,
     /// Cube buffers filled.
     pub gathers: u64,
     /// Nodes visited by all of them.
@@ -103,6 +106,7 @@ impl Indirect {
             irradiance: Plane::filled(width, height, [0.0; 3]),
             openness: Plane::filled(width, height, 1.0),
             openings: None,
+            specular: None,
             gathers: 0,
             visited: 0,
         }
@@ -120,6 +124,8 @@ impl Indirect {
 pub struct Wanted {
     /// From where pixels are open: [`Indirect::openings`].
     pub openings: bool,
+    /// What pixels reflect specularly: [`Indirect::specular`].
+    pub specular: bool,
 }
 
 /// Lights the sites of a frame and builds the tree.
@@ -155,7 +161,7 @@ pub fn indirect<T: Hierarchy>(
     indirect_of(scene, buffer, Wanted::default(), run)
 }
 
-/// The same with more that is wanted; nothing of it with 0 bounces.
+/// The same with more that is wanted; no openings with 0 bounces.
 pub fn indirect_of<T: Hierarchy>(
     scene: &Prepared<T>,
     buffer: &GBuffer,
@@ -163,15 +169,21 @@ pub fn indirect_of<T: Hierarchy>(
     run: &Run,
 ) -> Result<Indirect> {
     let (width, height) = buffer.size();
+    let pixels = (width * height) as u64;
+    let specular = run.stage("gather", pixels, || {
+        let wanted = wanted.specular && scene.knobs.glossy;
+        wanted.then(|| glossy::specular(scene, buffer, run)).transpose()
+    })?;
     let by_records = scene.knobs.is_by_records();
     if scene.knobs.bounces == 0 || (scene.tree.is_empty() && !by_records) {
-        return Ok(Indirect::none(width, height));
+        return Ok(Indirect { specular, ..Indirect::none(width, height) });
     }
-    run.stage("gather", (width * height) as u64, || match scene.knobs.error_bound {
+    let found = run.stage("gather", pixels, || match scene.knobs.error_bound {
         _ if by_records => records::indirect(scene, buffer, run),
         bound if bound > 0.0 => tile::indirect(scene, buffer, wanted, run),
         _ => by_pixel(scene, buffer, wanted, run),
-    })
+    })?;
+    Ok(Indirect { specular, ..found })
 }
 
 /// Every pixel by itself.
@@ -198,8 +210,7 @@ fn by_pixel<T: Hierarchy>(
                         let at = Vertex::of_pixel(scene.lit.tracer, buffer, (x, y));
                         let seed = (y * width + x) as u64;
                         let gathered = pixel::gather(scene, &at, occlusion, work, seed);
-                        let open =
-                            |dome| pixel::opening(work, at.normal, at.side, occlusion, dome);
+                        let open = |dome| pixel::opening(work, at.normal, at.side, occlusion, dome);
                         (gathered, dome.as_ref().map_or([0.0; 6], open))
                     })
                 };

@@ -47,6 +47,7 @@ pub mod cut;
 mod field;
 pub mod file;
 mod focus;
+mod glossy;
 mod gradient;
 pub mod grid;
 pub mod harmonic;

@@ -90,7 +90,7 @@ pub(crate) fn pool(receivers: &[Option<&Receiver>; LANES]) -> Pooled {
 }
 
 /// The weight of a block at one of its pixels.
-fn weight_at(place: usize) -> f32 {
+pub(crate) fn weight_at(place: usize) -> f32 {
     FADE[place % SIDE] * FADE[place / SIDE]
 }
 

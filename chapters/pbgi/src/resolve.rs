@@ -11,7 +11,7 @@ use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_image::colour::luminance;
-use chiaro_trace::{Direct, GBuffer, Ray, Sequence, Vertex, albedo, lamp_irradiance};
+use chiaro_trace::{Direct, GBuffer, Gloss, Ray, Sequence, Vertex, albedo, lamp_irradiance};
 use std::f32::consts::FRAC_1_PI;
 
 /// A pixel's light towards the eye.
@@ -19,8 +19,10 @@ use std::f32::consts::FRAC_1_PI;
 pub struct Seen {
     /// Emitted, and reflected once.
     pub direct: [f32; 3],
-    /// Reflected more often.
+    /// Reflected more often, the last time diffusely.
     pub indirect: [f32; 3],
+    /// Reflected towards the eye specularly.
+    pub specular: [f32; 3],
     /// Radiance from beyond the scene, times the share that is not covered.
     pub beyond: [f32; 3],
     /// The share that shows geometry.
@@ -34,6 +36,8 @@ pub struct Irradiance<'a> {
     pub direct: &'a Direct,
     /// By reflected light.
     pub indirect: &'a Plane<[f32; 3]>,
+    /// Radiance towards the eye by specular reflection; without it all is Lambertian.
+    pub specular: Option<&'a Plane<[f32; 3]>>,
 }
 
 /// Light samples for a sample that no centre around shares its surface with.
@@ -72,13 +76,18 @@ pub fn centre(lit: &Lit, buffer: &GBuffer, irradiance: &Irradiance, pixel: (usiz
         let (_, direction) = buffer.pose.ray(x, y, w as f32, h as f32);
         return Seen { beyond: beyond(lit, direction), ..Seen::default() };
     }
-    let albedo = albedo(buffer.base_colour[pixel]);
+    let specular = irradiance.specular.map(|s| s[pixel]);
+    let albedo = match specular {
+        Some(_) => Gloss::of_pixel(lit.tracer, buffer, pixel).diffuse,
+        None => albedo(buffer.base_colour[pixel]),
+    };
     let (hard, soft) = (irradiance.direct.hard[pixel], irradiance.direct.soft[pixel]);
     let i = irradiance.indirect[pixel];
     let d: [f32; 3] = std::array::from_fn(|c| hard[c] + soft[c]);
     Seen {
         direct: std::array::from_fn(|c| buffer.emissive[pixel][c] + albedo[c] * FRAC_1_PI * d[c]),
         indirect: std::array::from_fn(|c| albedo[c] * FRAC_1_PI * i[c]),
+        specular: specular.unwrap_or_default(),
         beyond: [0.0; 3],
         coverage: 1.0,
     }
@@ -144,29 +153,37 @@ fn samples(
         };
         let depth = (start + hit.t) * direction.dot(buffer.pose.forward);
         let footprint = buffer.pose.pixel_size(depth, h as f32);
-        let vertex = Vertex::of(lit.tracer, lit.surfaces, &hit, direction, footprint);
+        let surface = lit.surfaces.at(lit.tracer, &hit, direction, footprint);
+        let vertex = Vertex::of_surface(lit.tracer, &hit, &surface, direction);
+        let albedo = match irradiance.specular {
+            Some(_) => Gloss::of_surface(lit.tracer, &surface, direction).diffuse,
+            None => vertex.albedo,
+        };
         let known = (irradiance, crevices);
-        let (soft, i) = around(lit, buffer, known, (x, y), (k, &vertex, footprint));
+        let [soft, i, s] = around(lit, buffer, known, (x, y), (k, &vertex, footprint));
         let hard = lamp_irradiance(lit.tracer, &vertex, &lit.lights.lamps);
         for c in 0..3 {
-            let reflected = share * vertex.albedo[c] * FRAC_1_PI;
+            let reflected = share * albedo[c] * FRAC_1_PI;
             sum.direct[c] += share * vertex.emission[c] + reflected * (hard[c] + soft[c]);
             sum.indirect[c] += reflected * i[c];
+            sum.specular[c] += share * s[c];
         }
         sum.coverage += share;
     }
     sum
 }
 
-/// Soft direct and indirect irradiance of a sample from the centres around it.
+/// Soft direct and indirect irradiance of a sample, and its specular reflection, from the centres around it.
 fn around(
     lit: &Lit,
     buffer: &GBuffer,
     (irradiance, crevices): (&Irradiance, &Crevices),
     (x, y): (usize, usize),
     (index, vertex, footprint): (u32, &Vertex, f32),
-) -> ([f32; 3], [f32; 3]) {
+) -> [[f32; 3]; 3] {
     let (mut direct, mut indirect, mut total, mut open) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
+    let mut specular = [0.0; 3];
+    let shining = |at| irradiance.specular.map_or([0.0; 3], |s| s[at]);
     let ratio = |open: f32| crevices.ratio(lit, (x, y), vertex, footprint, (index, open));
     // As a last resort, the centre whose normal is most alike.
     let mut likest = (-2.0, (x, y));
@@ -188,15 +205,18 @@ fn around(
                 cosine.max(0.0).powi(16) * (-2.0 * off_plane * off_plane - 0.5 * apart).exp();
             total += weight;
             open += weight * crevices.open(at);
+            let s = shining(at);
             (0..3).for_each(|c| {
                 direct[c] += weight * irradiance.direct.soft[at][c];
                 indirect[c] += weight * irradiance.indirect[at][c];
+                specular[c] += weight * s[c];
             });
         }
     }
     if total > 0.02 {
         let scale = ratio(open / total) / total;
-        return (direct.map(|e| e * scale), indirect.map(|e| e * scale));
+        let lit = [direct, indirect].map(|e| e.map(|e| e * scale));
+        return [lit[0], lit[1], specular.map(|s| s / total)];
     }
     let sequence = Sequence::new((y * buffer.size().0 + x) as u64);
     let mut own = [0.0; 3];
@@ -206,5 +226,5 @@ fn around(
         (0..3).for_each(|c| own[c] += e[c] / OWN_SAMPLES as f32);
     }
     let scale = ratio(crevices.open(likest.1));
-    (own, irradiance.indirect[likest.1].map(|e| e * scale))
+    [own, irradiance.indirect[likest.1].map(|e| e * scale), shining(likest.1)]
 }

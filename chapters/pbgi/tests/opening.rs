@@ -13,7 +13,12 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
 
 /// What the pixels of a small picture of an OBJ file's faces find.
-fn found(file: &str, (eye, target): (Vec3, Vec3), sky: Option<Sky>, bound: f32) -> (Indirect, GBuffer) {
+fn found(
+    file: &str,
+    (eye, target): (Vec3, Vec3),
+    sky: Option<Sky>,
+    bound: f32,
+) -> (Indirect, GBuffer) {
     let mut door = Door::new("a.obj", &(), Budget::default());
     let scene = read_scene("a.obj", file.as_bytes(), Up::Y, &mut door).unwrap();
     let (playback, _) = scene.playback(&Default::default()).unwrap();
@@ -34,15 +39,17 @@ fn found(file: &str, (eye, target): (Vec3, Vec3), sky: Option<Sky>, bound: f32) 
     };
     let sites = sites(&scene, &frame, knobs.surfels as usize);
     let prepared = prepare(lit, &sites, &knobs, &run).unwrap();
-    let wanted = Wanted { openings: true };
+    let wanted = Wanted { openings: true, ..Wanted::default() };
     (indirect_of(&prepared, &buffer, wanted, &run).unwrap(), buffer)
 }
 
 /// The mean of a plane over covered pixels for which something holds.
 fn mean(plane: &Plane<[f32; 3]>, buffer: &GBuffer, holds: impl Fn(Vec3) -> bool) -> Vec3 {
     let all = plane.pixels().iter().zip(buffer.position.pixels()).zip(buffer.covered.pixels());
-    let some: Vec<Vec3> =
-        all.filter(|((_, p), c)| **c && holds(Vec3::from(**p))).map(|((v, _), _)| (*v).into()).collect();
+    let some: Vec<Vec3> = all
+        .filter(|((_, p), c)| **c && holds(Vec3::from(**p)))
+        .map(|((v, _), _)| (*v).into())
+        .collect();
     some.iter().sum::<Vec3>() / some.len() as f32
 }
 

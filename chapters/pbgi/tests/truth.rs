@@ -31,7 +31,7 @@ fn seen(lit: Lit, run: &Run) -> GBuffer {
 /// Indirect radiance by paths, one bounce.
 fn truth(lit: Lit, buffer: &GBuffer, run: &Run) -> Plane<[f32; 3]> {
     let Lit { tracer, surfaces, lights } = lit;
-    let paths = PathTracer { tracer, surfaces, lights, bounces: 1 };
+    let paths = PathTracer { tracer, surfaces, lights, bounces: 1, glossy: false };
     let mut image = PathImage::new(48, 48);
     paths.add(&mut image, &buffer.pose, 512, Aim::Centre, run).unwrap();
     image.indirect()

@@ -17,6 +17,9 @@ pub struct Material {
     pub metallic: f32,
     /// Perceptual roughness in [0, 1]; the distribution's alpha is its square.
     pub roughness: f32,
+    /// How much a dielectric coat reflects: 1 is glTF's, 4 % head-on; 0 is none, as in formats that
+    /// say nothing of it.
+    pub specular: f32,
     /// Multiplies roughness by green and metallic by blue (linear texels).
     pub metallic_roughness_texture: Option<TextureUse>,
     /// Tangent-space normals, 2c - 1, y up (linear texels).
@@ -43,6 +46,7 @@ impl Default for Material {
             base_texture: None,
             metallic: 0.0,
             roughness: 1.0,
+            specular: 0.0,
             metallic_roughness_texture: None,
             normal_texture: None,
             normal_scale: 1.0,

@@ -40,6 +40,8 @@ pub struct GBuffer {
     pub base_colour: Plane<[f32; 3]>,
     /// Perceptual roughness.
     pub roughness: Plane<f32>,
+    /// 0 = dielectric, 1 = metal.
+    pub metallic: Plane<f32>,
     /// Emitted radiance.
     pub emissive: Plane<[f32; 3]>,
 }
@@ -87,6 +89,7 @@ impl GBuffer {
             material: Plane::filled(w, h, 0),
             base_colour: Plane::filled(w, h, [0.0; 3]),
             roughness: Plane::filled(w, h, 0.0),
+            metallic: Plane::filled(w, h, 0.0),
             emissive: Plane::filled(w, h, [0.0; 3]),
         }
     }
@@ -108,6 +111,7 @@ impl GBuffer {
         let mut material = cut(&mut self.material, width);
         let mut base_colour = cut(&mut self.base_colour, width);
         let mut roughness = cut(&mut self.roughness, width);
+        let mut metallic = cut(&mut self.metallic, width);
         let mut emissive = cut(&mut self.emissive, width);
         covered.map_while(move |covered| {
             Some(Row {
@@ -122,17 +126,19 @@ impl GBuffer {
                 material: material.next()?,
                 base_colour: base_colour.next()?,
                 roughness: roughness.next()?,
+                metallic: metallic.next()?,
                 emissive: emissive.next()?,
             })
         })
     }
 
-    /// Lets go of what only light and motion need: the planes of hits, base colours, roughness and
+    /// Lets go of what only light and motion need: the planes of hits, base colours, roughness, metal and
     /// emission are empty afterwards.
     pub fn forget_light(&mut self) {
         self.hit = Plane::from_pixels(0, 0, Vec::new());
         self.base_colour = Plane::default();
         self.roughness = Plane::default();
+        self.metallic = Plane::default();
         self.emissive = Plane::default();
     }
 
@@ -174,6 +180,7 @@ struct Row<'a> {
     material: &'a mut [u32],
     base_colour: &'a mut [[f32; 3]],
     roughness: &'a mut [f32],
+    metallic: &'a mut [f32],
     emissive: &'a mut [[f32; 3]],
 }
 
@@ -191,6 +198,9 @@ impl Row<'_> {
         self.base_colour[x] = s.base_colour;
         self.roughness[x] = s.roughness;
         // Memory that stays zero costs nothing.
+        if s.metallic != 0.0 {
+            self.metallic[x] = s.metallic;
+        }
         if s.emissive != [0.0; 3] {
             self.emissive[x] = s.emissive;
         }

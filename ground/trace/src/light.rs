@@ -1,5 +1,6 @@
 //! Direct light: the scene's lamps, or a key light that flatters the shape.
 
+use crate::sky::SkySample;
 use chiaro_basis::math::Vec3;
 use chiaro_image::colour::luminance;
 use chiaro_scene::{Frame, LightKind, Pose};
@@ -83,6 +84,14 @@ impl Lamp {
             range: f32::INFINITY,
             patch: None,
         }
+    }
+
+    /// The parallel light of a direction drawn from a sky, one of so many.
+    pub fn of_sky(sample: &SkySample, count: f32) -> Self {
+        let y = luminance(sample.radiance);
+        let strength = y / sample.density / count;
+        let colour = sample.radiance.map(|c| c / y);
+        Self { strength, colour, ..Self::sun(-sample.towards) }
     }
 
     /// The light that arrives at `point` if nothing is in the way; `None` where it is dark.

@@ -4,6 +4,10 @@
 //! point of what shines, one direction of the sky. Where the caller also follows rays to what
 //! shines, the two are combined by the balance heuristic (Veach and Guibas 1995).
 
+mod specular;
+
+pub use specular::LightSample;
+
 use crate::glow::Glow;
 use crate::light::Lamp;
 use crate::sky::Sky;

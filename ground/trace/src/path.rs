@@ -4,14 +4,19 @@
 //!    density about the shading normal.
 //! 2. At every vertex light samples are taken ([`Lights::irradiance`]); what shines and what a
 //!    path meets by itself is weighed against them by the balance heuristic.
-//! 3. Samples of a pixel are points of one scrambled (0, 2) sequence, in batches whose scramblings
+//! 3. Where a path starts, light is also reflected specularly, if that is asked for: by samples of its lobe
+//!    and of lights, weighed by the same heuristic (`glossy`). Behind it everything is Lambertian.
+//! 4. Samples of a pixel are points of one scrambled (0, 2) sequence, in batches whose scramblings
 //!    are independent, so that the error can be told from their spread.
 //!
-//! Guaranteed: unbiased for Lambertian surfaces up to the chosen number of bounces (beyond the
+//! Guaranteed: unbiased up to the chosen number of bounces (beyond the
 //! fourth vertex by Russian roulette); the same bits for any number of threads. Not guaranteed:
 //! energy where normal textures turn reflected light below the surface; such directions are black.
 
+mod glossy;
+
 use crate::gbuffer::GBuffer;
+use crate::gloss::Gloss;
 use crate::lights::{LightNumbers, Lights};
 use crate::sample::Sequence;
 use crate::surface::Surfaces;
@@ -35,6 +40,8 @@ pub struct PathTracer<'a> {
     pub lights: &'a Lights,
     /// Bounces of indirect light; 0 is direct light alone.
     pub bounces: u32,
+    /// Whether what is seen is glossy as its material says; else it is Lambertian.
+    pub glossy: bool,
 }
 
 /// Radiance towards the eye, in its two parts.
@@ -42,8 +49,10 @@ pub struct PathTracer<'a> {
 pub struct Split {
     /// Emitted, and reflected once.
     pub direct: [f32; 3],
-    /// Reflected more often.
+    /// Reflected more often, the last time diffusely.
     pub indirect: [f32; 3],
+    /// Reflected towards the eye specularly.
+    pub specular: [f32; 3],
 }
 
 /// A picture in the making: sums over samples.
@@ -94,6 +103,11 @@ impl PathImage {
     /// Mean indirect light.
     pub fn indirect(&self) -> Plane<[f32; 3]> {
         self.mean(|p| p.light.indirect)
+    }
+
+    /// Mean light that was reflected towards the eye specularly.
+    pub fn specular(&self) -> Plane<[f32; 3]> {
+        self.mean(|p| p.light.specular)
     }
 
     /// Mean background radiance, weighted by the share that is not covered.
@@ -158,6 +172,7 @@ impl PathTracer<'_> {
             for i in 0..3 {
                 sum.light.direct[i] += p.light.direct[i];
                 sum.light.indirect[i] += p.light.indirect[i];
+                sum.light.specular[i] += p.light.specular[i];
                 sum.beyond[i] += p.beyond[i];
             }
             sum.covered += p.covered;
@@ -190,11 +205,15 @@ impl PathTracer<'_> {
                 first = Some((self.seen(pose, origin, direction, h), direction));
             }
             match first {
-                Some((Some(vertex), _)) => {
-                    let light = self.path(vertex, sequence, index);
+                Some((Some((vertex, gloss)), _)) => {
+                    let mut light = self.path(vertex, sequence, index);
+                    if let Some(gloss) = &gloss {
+                        light.specular = self.specular(&vertex, gloss, sequence, index);
+                    }
                     for i in 0..3 {
                         sum.light.direct[i] += light.direct[i];
                         sum.light.indirect[i] += light.indirect[i];
+                        sum.light.specular[i] += light.specular[i];
                     }
                     sum.covered += 1;
                 }
@@ -208,38 +227,62 @@ impl PathTracer<'_> {
         sum
     }
 
-    /// What a ray from the eye meets.
-    fn seen(&self, pose: &Pose, origin: Vec3, direction: Vec3, height: f32) -> Option<Vertex> {
+    /// What a ray from the eye meets, and its gloss.
+    fn seen(
+        &self,
+        pose: &Pose,
+        origin: Vec3,
+        direction: Vec3,
+        height: f32,
+    ) -> Option<(Vertex, Option<Gloss>)> {
         let start = pose.near / direction.dot(pose.forward);
         let ray = Ray { origin: origin + direction * start, direction, t_max: f32::INFINITY };
         let hit = self.tracer.seen(&ray)?;
         let depth = (start + hit.t) * direction.dot(pose.forward);
         let footprint = pose.pixel_size(depth, height);
-        Some(Vertex::of(self.tracer, self.surfaces, &hit, direction, footprint))
+        let surface = self.surfaces.at(self.tracer, &hit, direction, footprint);
+        let vertex = Vertex::of_surface(self.tracer, &hit, &surface, direction);
+        let gloss = Gloss::of_surface(self.tracer, &surface, direction);
+        if !self.glossy || gloss.is_dull() {
+            return Some((vertex, None));
+        }
+        Some((Vertex { albedo: gloss.diffuse, ..vertex }, Some(gloss)))
     }
 
     /// The light that leaves a first vertex towards the eye, by sample `index` of a sequence.
     pub fn path(&self, first: Vertex, sequence: &Sequence, index: u32) -> Split {
         let mut split = Split { direct: first.emission, ..Split::default() };
-        let mut vertex = first;
-        let mut throughput = [1.0f32; 3];
-        for k in 0..=self.bounces {
+        self.walk(first, 0, (sequence, index, 0), |k, light| {
             let part = if k == 0 { &mut split.direct } else { &mut split.indirect };
-            let numbers = numbers(sequence, index, k);
+            (0..3).for_each(|i| part[i] += light[i]);
+        });
+        split
+    }
+
+    /// Follows a path from its vertex number `start`, with numbers from a pair of dimensions on; `add` is told
+    /// which vertex light was reflected at, and how much of it leaves the first.
+    fn walk(
+        &self,
+        mut vertex: Vertex,
+        start: u32,
+        (sequence, index, pairs): (&Sequence, u32, u32),
+        mut add: impl FnMut(u32, [f32; 3]),
+    ) {
+        let mut throughput = [1.0f32; 3];
+        for k in start..=self.bounces {
+            let numbers = numbers(sequence, index, (k, pairs));
             let e = self.lights.irradiance(self.tracer, self.surfaces, &vertex, &numbers, true);
-            (0..3).for_each(|i| {
-                throughput[i] *= vertex.albedo[i];
-                part[i] += throughput[i] * FRAC_1_PI * e[i];
-            });
-            if !survives(&mut throughput, k, sequence, index) {
+            (0..3).for_each(|i| throughput[i] *= vertex.albedo[i]);
+            add(k, std::array::from_fn(|i| throughput[i] * FRAC_1_PI * e[i]));
+            if !survives(&mut throughput, k, (sequence, index, pairs)) {
                 break;
             }
-            let Some(next) = self.step(&vertex, sequence.point(index, 4 * k + 4)) else { break };
-            (0..3).for_each(|i| part[i] += throughput[i] * next.light[i]);
+            let next = self.step(&vertex, sequence.point(index, pairs + 4 * k + 4));
+            let Some(next) = next else { break };
+            add(k, std::array::from_fn(|i| throughput[i] * next.light[i]));
             let Some(v) = next.vertex else { break };
             vertex = v;
         }
-        split
     }
 
     /// Goes on from a vertex; the light that is met counts by its weight.
@@ -275,20 +318,24 @@ struct Step {
 }
 
 /// The numbers for light samples at vertex `k`.
-fn numbers(sequence: &Sequence, index: u32, k: u32) -> LightNumbers {
-    let [u, v] = sequence.point(index, 4 * k + 1);
-    let [choice, lamp] = sequence.point(index, 4 * k + 2);
-    LightNumbers { glow: [choice, u, v], sky: sequence.point(index, 4 * k + 3), choice: lamp }
+fn numbers(sequence: &Sequence, index: u32, (k, pairs): (u32, u32)) -> LightNumbers {
+    let point = |i: u32| sequence.point(index, pairs + 4 * k + i);
+    let ([u, v], [choice, lamp]) = (point(1), point(2));
+    LightNumbers { glow: [choice, u, v], sky: point(3), choice: lamp }
 }
 
 /// Russian roulette from the fourth bounce on.
-fn survives(throughput: &mut [f32; 3], k: u32, sequence: &Sequence, index: u32) -> bool {
+fn survives(
+    throughput: &mut [f32; 3],
+    k: u32,
+    (sequence, index, pairs): (&Sequence, u32, u32),
+) -> bool {
     let most = throughput.iter().copied().fold(0.0, f32::max);
     if k < 4 {
         return most > 0.0;
     }
     let chance = most.min(0.95);
-    let [number, _] = sequence.point(index, 0x1000 + k);
+    let [number, _] = sequence.point(index, pairs + 0x1000 + k);
     *throughput = throughput.map(|t| t / chance.max(1e-9));
     number < chance
 }

@@ -4,6 +4,10 @@
 //! patch of constant radiance, for evaluation as for sampling, so that both agree exactly;
 //! directions are drawn in proportion to luminance times solid angle.
 
+mod blur;
+
+pub use blur::BlurredSky;
+
 use chiaro_basis::math::Vec3;
 use chiaro_image::Plane;
 use chiaro_image::colour::luminance;

@@ -26,7 +26,13 @@ fn a_white_body_under_a_uniform_sky_cannot_be_seen() {
     let surfaces = Surfaces::new(&scene);
     let sky = Sky::new(Plane::filled(16, 8, [2.0, 1.0, 0.5]));
     let lights = Lights { sky: Some(Arc::new(sky)), ..Lights::default() };
-    let paths = PathTracer { tracer: &tracer, surfaces: &surfaces, lights: &lights, bounces: 200 };
+    let paths = PathTracer {
+        tracer: &tracer,
+        surfaces: &surfaces,
+        lights: &lights,
+        bounces: 200,
+        glossy: false,
+    };
     let mut image = PathImage::new(12, 12);
     paths.add(&mut image, &frame.cameras[0], 64, Aim::Spread, &Run::default()).unwrap();
     let (d, i, b) = (image.direct(), image.indirect(), image.beyond());
@@ -51,7 +57,13 @@ fn direct_light_by_both_strategies_is_that_by_lamps() {
         chiaro_trace::GBuffer::trace(&tracer, &surfaces, &frame.cameras[0], (24, 24), &run)
             .unwrap();
     let fixed = chiaro_trace::direct_irradiance(&tracer, &buffer, &lights, &run).unwrap().whole();
-    let paths = PathTracer { tracer: &tracer, surfaces: &surfaces, lights: &lights, bounces: 0 };
+    let paths = PathTracer {
+        tracer: &tracer,
+        surfaces: &surfaces,
+        lights: &lights,
+        bounces: 0,
+        glossy: false,
+    };
     let mut image = PathImage::new(24, 24);
     paths.add(&mut image, &buffer.pose, 256, Aim::Centre, &run).unwrap();
     let direct = image.direct();
@@ -74,7 +86,13 @@ fn paths_have_the_same_bits_for_any_number_of_threads() {
     let tracer = Tracer::new(&scene, &frame);
     let surfaces = Surfaces::new(&scene);
     let lights = Lights { glow: Glow::of(&tracer, &surfaces), ..Lights::default() };
-    let paths = PathTracer { tracer: &tracer, surfaces: &surfaces, lights: &lights, bounces: 2 };
+    let paths = PathTracer {
+        tracer: &tracer,
+        surfaces: &surfaces,
+        lights: &lights,
+        bounces: 2,
+        glossy: false,
+    };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut image = PathImage::new(16, 16);

@@ -14,7 +14,8 @@ impl Field {
         for &index in &self.lit {
             let t = &self.packs[index as usize];
             let dome: [Lanes; 3] = std::array::from_fn(|c| {
-                let texel = |k| radiance.get(index as usize * LANES + k).map_or(0.0, |l: &[f32; 3]| l[c]);
+                let texel =
+                    |k| radiance.get(index as usize * LANES + k).map_or(0.0, |l: &[f32; 3]| l[c]);
                 std::array::from_fn(texel)
             });
             for k in 0..LANES {

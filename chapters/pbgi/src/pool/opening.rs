@@ -8,10 +8,7 @@ use std::f32::consts::PI;
 
 /// What near hits add to the opening of each pixel of a block, with the block's weight there; hits count as they
 /// do for light.
-pub(crate) fn open(
-    receivers: &[Option<&Receiver>; LANES],
-    dome: &Dome,
-) -> [(f32, Opening); LANES] {
+pub(crate) fn open(receivers: &[Option<&Receiver>; LANES], dome: &Dome) -> [(f32, Opening); LANES] {
     let mut pooled = [(0.0, [0.0; 6]); LANES];
     pooled.iter_mut().enumerate().for_each(|(i, p)| p.0 = weight_at(i));
     groups(receivers, |some| {

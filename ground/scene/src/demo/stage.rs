@@ -30,7 +30,9 @@ pub(crate) fn placed(translation: DVec3, rotation: DQuat, scale: f64) -> Transfo
 impl Stage {
     /// A matt material of an sRGB colour, 0xRRGGBB.
     pub(crate) fn matt(&mut self, name: &str, colour: u32) -> MaterialId {
-        self.material(name, colour, 0.9, 0.0)
+        let matt = self.material(name, colour, 0.9, 0.0);
+        self.scene.materials[matt.index()].specular = 0.0;
+        matt
     }
 
     /// A material of an sRGB colour, 0xRRGGBB.
@@ -52,6 +54,7 @@ impl Stage {
             base_colour,
             roughness,
             metallic,
+            specular: 1.0,
             double_sided: false,
             ..Material::default()
         })
@@ -81,6 +84,7 @@ impl Stage {
             name: name.into(),
             base_texture: Some(picture),
             roughness,
+            specular: 1.0,
             double_sided: false,
             ..Material::default()
         })

@@ -37,6 +37,7 @@ pub(super) fn against_paths(
         surfaces: lit.surfaces,
         lights: lit.lights,
         bounces: knobs.bounces,
+        glossy: knobs.glossy,
     };
     let mut reference = PathImage::new(width, height);
     let (error, reference_error) = loop {
@@ -65,9 +66,11 @@ pub(super) fn against_paths(
         ));
     }
     let (direct, indirect) = (reference.direct(), reference.indirect());
+    let specular = reference.specular();
     let truth = Plane::from_fn(width, height, |x, y| Seen {
         direct: direct[(x, y)],
         indirect: indirect[(x, y)],
+        specular: specular[(x, y)],
         ..own[(x, y)]
     });
     let shown = |p: &Plane<Seen>| displayed(p, shot.exposure, knobs.tone);
@@ -76,6 +79,11 @@ pub(super) fn against_paths(
     counts.insert("psnr_db".into(), json!(metric::psnr_db(&a, &b)?));
     counts.insert("flip".into(), json!(metric::flip(&b, &a)?));
     counts.insert("rmse_relative".into(), json!(error));
+    if knobs.glossy {
+        let shining = own.map(|s| s.specular);
+        let apart = metric::rmse_relative(&shining, &specular, &buffer.covered)?;
+        counts.insert("specular_rmse_relative".into(), json!(apart));
+    }
     counts.insert("reference_error".into(), json!(reference_error));
     counts.insert("reference_samples".into(), json!(reference.samples()));
     Ok(counts)
@@ -108,7 +116,9 @@ pub(super) fn against_exact(
 /// A picture as displayed, sRGB-encoded.
 pub(super) fn displayed(seen: &Plane<Seen>, exposure: f32, tone: Tone) -> Plane<[f32; 3]> {
     seen.map(|s| {
-        let all = std::array::from_fn(|c| exposure * (s.direct[c] + s.indirect[c] + s.beyond[c]));
+        let all = std::array::from_fn(|c| {
+            exposure * (s.direct[c] + s.indirect[c] + s.specular[c] + s.beyond[c])
+        });
         tone.map(all).map(srgb_encode)
     })
 }

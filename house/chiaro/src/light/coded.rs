@@ -8,7 +8,9 @@ use chiaro_basis::{Result, Run};
 use chiaro_pbgi::compact::{Builder, Compact};
 use chiaro_pbgi::curve::Cube;
 use chiaro_pbgi::packed::Packed;
-use chiaro_pbgi::{Indirect, LightKnobs, Lit, Prepared, Wanted, coverage, indirect, indirect_of, prepare, stream};
+use chiaro_pbgi::{
+    Indirect, LightKnobs, Lit, Prepared, Wanted, coverage, indirect, indirect_of, prepare, stream,
+};
 use chiaro_trace::GBuffer;
 use serde_json::{Map, Value, json};
 use std::sync::PoisonError;

@@ -13,9 +13,9 @@ use crate::project::Project;
 use crate::record::{Record, frame_recipe, knob_settings};
 use chiaro_basis::{Error, Result, Run, choice};
 use chiaro_image::{Plane, codec};
-use chiaro_pbgi::{LightKnobs, Openings, Wanted};
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
 use chiaro_pbgi::surfel::Lit;
+use chiaro_pbgi::{LightKnobs, Openings, Wanted};
 use chiaro_scene::Frame;
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{GBuffer, ambient_occlusion, direct_irradiance};
@@ -190,12 +190,14 @@ impl Job<'_> {
         let seen = seen.map(|s| Seen {
             direct: scale(s.direct),
             indirect: scale(s.indirect),
+            specular: scale(s.specular),
             beyond: scale(s.beyond),
             coverage: s.coverage,
         });
         // A white dome in the place of a sky has no unit.
         let unit = if lights.sky.is_some() { shot.exposure } else { 1.0 };
-        let openings = openings.map(|o| Openings { dome: o.dome.map(|l| l.map(|c| c * unit)), ..o });
+        let openings =
+            openings.map(|o| Openings { dome: o.dome.map(|l| l.map(|c| c * unit)), ..o });
         Ok((Layers { seen, openness, openings, buffer }, measures))
     }
 
@@ -206,7 +208,8 @@ impl Job<'_> {
         let oracle = self.check == Check::Exact;
         let Gathered { found, exact, mut counts } =
             coded::gather(shot, lit, buffer, self.knobs, (self.wanted(), oracle), run)?;
-        let irradiance = Irradiance { direct: &direct, indirect: &found.irradiance };
+        let specular = found.specular.as_ref();
+        let irradiance = Irradiance { direct: &direct, indirect: &found.irradiance, specular };
         let side = self.knobs.edges;
         let seen = run.stage("draw", pixels, || resolve(lit, buffer, &irradiance, side, run))?;
         let receivers = buffer.covered.pixels().iter().filter(|c| **c).count();
@@ -217,7 +220,7 @@ impl Job<'_> {
             counts.extend(measured);
         }
         if let Some(exact) = exact {
-            let irradiance = Irradiance { direct: &direct, indirect: &exact.irradiance };
+            let irradiance = Irradiance { direct: &direct, indirect: &exact.irradiance, specular };
             let truth = resolve(lit, buffer, &irradiance, side, run)?;
             counts.extend(check::against_exact(shot, &seen, &truth, self.knobs)?);
         }
@@ -226,7 +229,8 @@ impl Job<'_> {
 
     /// What only layers need.
     fn wanted(&self) -> Wanted {
-        Wanted { openings: self.target.extension() == "exr" && self.knobs.bounces > 0 }
+        let openings = self.target.extension() == "exr" && self.knobs.bounces > 0;
+        Wanted { openings, specular: self.knobs.glossy }
     }
 
     fn by_paths(&self, lit: &Lit, buffer: &GBuffer, run: &Run) -> Result<Found> {
@@ -236,6 +240,7 @@ impl Job<'_> {
             surfaces: lit.surfaces,
             lights: lit.lights,
             bounces: self.knobs.bounces,
+            glossy: self.knobs.glossy,
         };
         let mut image = PathImage::new(width, height);
         while image.samples() < self.knobs.samples {
@@ -245,10 +250,11 @@ impl Job<'_> {
             })?;
         }
         let (direct, indirect) = (image.direct(), image.indirect());
-        let (beyond, coverage) = (image.beyond(), image.coverage());
+        let (beyond, coverage, specular) = (image.beyond(), image.coverage(), image.specular());
         let seen = Plane::from_fn(width, height, |x, y| Seen {
             direct: direct[(x, y)],
             indirect: indirect[(x, y)],
+            specular: specular[(x, y)],
             beyond: beyond[(x, y)],
             coverage: coverage[(x, y)],
         });

@@ -33,7 +33,7 @@ pub(crate) enum Backdrop {
 impl Layers {
     /// Linear light of the picture and its opacity, before tone mapping.
     fn beauty(&self, seen: &Seen) -> [f32; 3] {
-        std::array::from_fn(|c| seen.direct[c] + seen.indirect[c])
+        std::array::from_fn(|c| seen.direct[c] + seen.indirect[c] + seen.specular[c])
     }
 
     /// The picture as displayed: sRGB-encoded RGBA.
@@ -61,6 +61,7 @@ impl Layers {
             push(name.into(), self.seen.map(|s| self.beauty(s)[c] + s.beyond[c]));
             push(format!("direct.{name}"), self.seen.map(|s| s.direct[c]));
             push(format!("indirect.{name}"), self.seen.map(|s| s.indirect[c]));
+            push(format!("specular.{name}"), self.seen.map(|s| s.specular[c]));
             push(format!("albedo.{name}"), b.base_colour.map(|v| v[c]));
         }
         push("A".into(), self.seen.map(|s| s.coverage));

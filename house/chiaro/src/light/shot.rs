@@ -135,20 +135,23 @@ impl<'a> Shot<'a> {
                 surfaces: &self.surfaces,
                 lights: &lights,
                 bounces: knobs.bounces,
+                glossy: knobs.glossy,
             };
             let mut image = PathImage::new(small.0, small.1);
             let pose = self.camera.pose(frame, number);
             paths.add(&mut image, &pose, SURVEY_SAMPLES, Aim::Spread, run)?;
             let (direct, indirect, coverage) = (image.direct(), image.indirect(), image.coverage());
+            let specular = image.specular();
             covered += coverage.pixels().iter().filter(|c| **c > 0.5).count();
             seen.extend(
                 direct
                     .pixels()
                     .iter()
                     .zip(indirect.pixels())
+                    .zip(specular.pixels())
                     .zip(coverage.pixels())
                     .filter(|(_, c)| **c > 0.5)
-                    .map(|((d, i), c)| (luminance(*d) + luminance(*i)) / c)
+                    .map(|(((d, i), s), c)| (luminance(*d) + luminance(*i) + luminance(*s)) / c)
                     .filter(|l| *l > 0.0 && l.is_finite()),
             );
         }

@@ -114,7 +114,8 @@ impl Still<'_> {
     /// What is seen by the light of a tree.
     pub(crate) fn seen(&self, points: &Prepared<AnyTree>, run: &Run) -> Result<Plane<Seen>> {
         let found = indirect(points, self.buffer, run)?;
-        let irradiance = Irradiance { direct: &self.direct, indirect: &found.irradiance };
+        let irradiance =
+            Irradiance { direct: &self.direct, indirect: &found.irradiance, specular: None };
         resolve(&self.lit, self.buffer, &irradiance, self.knobs.edges, run)
     }
 

@@ -158,8 +158,13 @@ fn by_paths(
     seed: u64,
     run: &Run,
 ) -> Result<Plane<[f32; 3]>> {
-    let tracer =
-        PathTracer { tracer: lit.tracer, surfaces: lit.surfaces, lights: lit.lights, bounces };
+    let tracer = PathTracer {
+        tracer: lit.tracer,
+        surfaces: lit.surfaces,
+        lights: lit.lights,
+        bounces,
+        glossy: false,
+    };
     let (width, height) = buffer.size();
     let plane = Plane::from_fn(width, height, |x, y| {
         if run.check().is_err() || !buffer.covered[(x, y)] {

@@ -67,6 +67,8 @@ impl Reader<'_, '_, '_, '_, '_, '_> {
         }
         let normal = item.get("normalTexture");
         m.normal_texture = self.slot(normal)?.used();
+        let coat = item.extension("KHR_materials_specular");
+        m.specular = if m.unlit { 0.0 } else { number(coat, "specularFactor", 1.0, 0.0, 1.0) };
         m.normal_scale = number(normal, "scale", 1.0, -1e6, 1e6);
         self.emission(item, &mut m)?;
         Ok(m)

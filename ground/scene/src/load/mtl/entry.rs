@@ -57,6 +57,8 @@ impl Entry {
             base_colour: [r, g, b, opacity],
             metallic: self.metallic.unwrap_or(0.0).clamp(0.0, 1.0),
             roughness: self.roughness(),
+            // Ks is written by exporters whatever the surface; these are of the same model as glTF's.
+            specular: if self.roughness.or(self.metallic).is_some() { 1.0 } else { 0.0 },
             emissive: self.emission.unwrap_or_default().map(|c| c.max(0.0)),
             alpha: if opacity < 1.0 { Alpha::Blend } else { Alpha::Opaque },
             ..Material::default()
