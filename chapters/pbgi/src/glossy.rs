@@ -10,6 +10,7 @@
 //!    the sum of the densities with which they were looked for (the balance heuristic). Sharp
 //!    lobes that do not overlap share nothing, wide ones share all.
 //!
+//! A wide, faint lobe needs no rays: it reflects what diffuse reflection receives ([`Gloss::matt_share`], `resolve`).
 //! Lobes are widened by how normals vary over a pixel, so that curved mirrors neither flicker nor
 //! sparkle. Guaranteed: deterministic, the same for any number of threads, no energy gained. Not guaranteed:
 //! reflections of reflections (what is met is matt), and detail of reflections under a pixel.
@@ -48,12 +49,16 @@ const MOST_VARIANCE: f32 = 0.04;
 const ROWS: usize = 32;
 
 /// Light from a point or, at infinity, from a direction.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Sample {
     /// Where; a unit vector when it is far.
     place: Vec3,
     is_far: bool,
+    /// Whether a ray by the lobe found it: the reflected light and the sky count.
+    by_lobe: bool,
     light: [f32; 3],
+    /// What shines there.
+    glow: [f32; 3],
     /// The density with which light samples find it: per area over the cosine of what is there.
     other: f32,
 }
@@ -142,7 +147,8 @@ fn settle(
     for (x, y) in range.flat_map(|y| (0..width).map(move |x| (x, y))) {
         if let Some(one) = at(x as isize, y as isize) {
             let pooled = crate::band::mean(&blocks, columns, start, (x, y));
-            found[(x, y)] = std::array::from_fn(|c| one.lamps[c] + pooled[c]);
+            let share = 1.0 - one.gloss.matt_share();
+            found[(x, y)] = std::array::from_fn(|c| one.lamps[c] + share * pooled[c]);
         }
     }
 }
@@ -159,15 +165,20 @@ impl<T: Hierarchy> Caster<'_, '_, T> {
             return None;
         }
         let gloss = gloss.widened(variance(buffer, pixel));
+        let matt = gloss.matt_share();
         let at = Vertex::of_pixel(lit.tracer, buffer, pixel);
         let faint = gloss.reflectance().into_iter().fold(0.0, f32::max) < FAINT;
-        let rays = if faint || gloss.alpha < SHARP { FEW } else { MANY };
+        let rays = match matt < 1.0 {
+            true if faint || gloss.alpha < SHARP => FEW,
+            true => MANY,
+            false => 0,
+        };
         let mut one = Glossy {
             at,
             gloss,
             footprint: buffer.pose.pixel_size(buffer.depth[pixel], buffer.size().1 as f32),
             rays,
-            samples: Vec::with_capacity(rays as usize),
+            samples: Vec::with_capacity(2 * rays as usize),
             lamps: lit.lights.specular_of_lamps(lit.tracer, &at, &gloss),
         };
         self.cast(&mut one, pixel);
@@ -190,13 +201,15 @@ impl<T: Hierarchy> Caster<'_, '_, T> {
             let cone = 1.0 / (one.rays as f32 * density);
             let Some(hit) = lit.tracer.hit(&at.ray(towards, f32::INFINITY), Sides::Both) else {
                 let light = self.sky.as_ref().map_or([0.0; 3], |s| s.radiance(towards, cone));
-                one.samples.push(Sample { place: towards, is_far: true, light, other: 0.0 });
+                let far = Sample { place: towards, is_far: true, ..Sample::default() };
+                one.samples.push(Sample { by_lobe: true, light, ..far });
                 continue;
             };
-            let (place, light, shines) = seen.met(&hit, towards, cone, k);
+            let (place, light, glow) = seen.met(&hit, towards, cone, k);
             let square = (place - at.position).length_squared().max(f32::MIN_POSITIVE);
+            let shines = glow != [0.0; 3];
             let other = if shines { lit.lights.glow_density(&hit, towards) / square } else { 0.0 };
-            one.samples.push(Sample { place, is_far: false, light, other });
+            one.samples.push(Sample { place, is_far: false, by_lobe: true, light, glow, other });
         }
     }
 
@@ -214,8 +227,8 @@ impl<T: Hierarchy> Caster<'_, '_, T> {
                 continue;
             }
             let square = (s.position - at.position).length_squared().max(f32::MIN_POSITIVE);
-            let (place, light, other) = (s.position, s.radiance, s.density / square);
-            one.samples.push(Sample { place, is_far: false, light, other });
+            let (place, glow, other) = (s.position, s.radiance, s.density / square);
+            one.samples.push(Sample { place, glow, other, ..Sample::default() });
         }
     }
 }

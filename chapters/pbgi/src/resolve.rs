@@ -76,21 +76,26 @@ pub fn centre(lit: &Lit, buffer: &GBuffer, irradiance: &Irradiance, pixel: (usiz
         let (_, direction) = buffer.pose.ray(x, y, w as f32, h as f32);
         return Seen { beyond: beyond(lit, direction), ..Seen::default() };
     }
-    let specular = irradiance.specular.map(|s| s[pixel]);
-    let albedo = match specular {
-        Some(_) => Gloss::of_pixel(lit.tracer, buffer, pixel).diffuse,
-        None => albedo(buffer.base_colour[pixel]),
-    };
+    let gloss = irradiance.specular.map(|_| Gloss::of_pixel(lit.tracer, buffer, pixel));
+    let albedo = gloss.as_ref().map_or(albedo(buffer.base_colour[pixel]), |g| g.diffuse);
+    let matt = gloss.as_ref().map_or([0.0; 3], matt);
+    let specular = irradiance.specular.map_or([0.0; 3], |s| s[pixel]);
     let (hard, soft) = (irradiance.direct.hard[pixel], irradiance.direct.soft[pixel]);
     let i = irradiance.indirect[pixel];
     let d: [f32; 3] = std::array::from_fn(|c| hard[c] + soft[c]);
     Seen {
         direct: std::array::from_fn(|c| buffer.emissive[pixel][c] + albedo[c] * FRAC_1_PI * d[c]),
         indirect: std::array::from_fn(|c| albedo[c] * FRAC_1_PI * i[c]),
-        specular: specular.unwrap_or_default(),
+        specular: std::array::from_fn(|c| specular[c] + matt[c] * (soft[c] + i[c])),
         beyond: [0.0; 3],
         coverage: 1.0,
     }
+}
+
+/// What a lobe that is taken for diffuse reflects of an irradiance.
+fn matt(gloss: &Gloss) -> [f32; 3] {
+    let share = FRAC_1_PI * gloss.matt_share();
+    if share > 0.0 { gloss.reflectance().map(|r| share * r) } else { [0.0; 3] }
 }
 
 fn beyond(lit: &Lit, direction: Vec3) -> [f32; 3] {
@@ -155,10 +160,10 @@ fn samples(
         let footprint = buffer.pose.pixel_size(depth, h as f32);
         let surface = lit.surfaces.at(lit.tracer, &hit, direction, footprint);
         let vertex = Vertex::of_surface(lit.tracer, &hit, &surface, direction);
-        let albedo = match irradiance.specular {
-            Some(_) => Gloss::of_surface(lit.tracer, &surface, direction).diffuse,
-            None => vertex.albedo,
-        };
+        let gloss =
+            irradiance.specular.map(|_| Gloss::of_surface(lit.tracer, &surface, direction));
+        let albedo = gloss.as_ref().map_or(vertex.albedo, |g| g.diffuse);
+        let matt = gloss.as_ref().map_or([0.0; 3], matt);
         let known = (irradiance, crevices);
         let [soft, i, s] = around(lit, buffer, known, (x, y), (k, &vertex, footprint));
         let hard = lamp_irradiance(lit.tracer, &vertex, &lit.lights.lamps);
@@ -166,7 +171,7 @@ fn samples(
             let reflected = share * albedo[c] * FRAC_1_PI;
             sum.direct[c] += share * vertex.emission[c] + reflected * (hard[c] + soft[c]);
             sum.indirect[c] += reflected * i[c];
-            sum.specular[c] += share * s[c];
+            sum.specular[c] += share * (s[c] + matt[c] * (soft[c] + i[c]));
         }
         sum.coverage += share;
     }

@@ -55,7 +55,7 @@ impl<'a, 'b, T: Hierarchy> Seer<'a, 'b, T> {
 }
 
 impl<T: Hierarchy> Looking<'_, '_, '_, T> {
-    /// Where a ray met something, the light that comes from there, and whether it shines. The ray stands
+    /// Where a ray met something, the light that is reflected there, and what shines. The ray stands
     /// for a cone of so many steradians.
     pub(super) fn met(
         &mut self,
@@ -63,18 +63,17 @@ impl<T: Hierarchy> Looking<'_, '_, '_, T> {
         direction: Vec3,
         cone: f32,
         index: u32,
-    ) -> (Vec3, [f32; 3], bool) {
+    ) -> (Vec3, [f32; 3], [f32; 3]) {
         let scene = self.seer.scene;
         let footprint = cone.sqrt().min(1.0) * hit.t;
         let lit = &scene.lit;
         let at = Vertex::of(lit.tracer, lit.surfaces, hit, direction, footprint);
-        let shines = at.emission != [0.0; 3];
-        let mut light = at.emission;
-        if scene.knobs.bounces > 0 && at.albedo != [0.0; 3] {
-            let reflected = self.reflected(hit, &at, footprint, direction, index);
-            (0..3).for_each(|c| light[c] += reflected[c]);
-        }
-        (at.position, light, shines)
+        let dark = scene.knobs.bounces == 0 || at.albedo == [0.0; 3];
+        let light = match dark {
+            true => [0.0; 3],
+            false => self.reflected(hit, &at, footprint, direction, index),
+        };
+        (at.position, light, at.emission)
     }
 
     /// The light that is reflected there.
