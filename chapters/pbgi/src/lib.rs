@@ -19,13 +19,14 @@
 //! 6. [`indirect`] shares one buffer among the pixels of a tile ([`tile`]) and short rays among those
 //!    of small blocks; with an error bound of 0 every pixel gathers by itself ([`pixel`]); or a few
 //!    pixels look by rays and those between follow their gradients (`records`). The same
-//!    sums tell how open the hemisphere is.
+//!    sums tell how open the hemisphere is, in which direction, and how much of a sky comes in (`opening`).
+//! 7. What is seen may be glossy: rays by its lobe see surfels, or the triangles in mirrors (`glossy`).
 //!
 //! Units: radiance is linear RGB in the units of the scene's lights (candela per square metre where
 //! those are glTF's), irradiance is radiance times steradians, lengths are scene units.
 //!
 //! Guaranteed: the same bits for any number of threads; nothing depends on frames made before.
-//! Not guaranteed: glossy reflection (every surface is Lambertian), and light through openings
+//! Not guaranteed: reflections of reflections (what lights others is Lambertian), and light through openings
 //! smaller than the spacing of surfels beyond the near field.
 
 mod band;

@@ -160,8 +160,7 @@ fn samples(
         let footprint = buffer.pose.pixel_size(depth, h as f32);
         let surface = lit.surfaces.at(lit.tracer, &hit, direction, footprint);
         let vertex = Vertex::of_surface(lit.tracer, &hit, &surface, direction);
-        let gloss =
-            irradiance.specular.map(|_| Gloss::of_surface(lit.tracer, &surface, direction));
+        let gloss = irradiance.specular.map(|_| Gloss::of_surface(lit.tracer, &surface, direction));
         let albedo = gloss.as_ref().map_or(vertex.albedo, |g| g.diffuse);
         let matt = gloss.as_ref().map_or([0.0; 3], matt);
         let known = (irradiance, crevices);

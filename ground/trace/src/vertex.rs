@@ -1,6 +1,7 @@
 //! [`Vertex`]: a point of a surface, ready to receive and to reflect light.
 //!
-//! Surfaces are Lambertian, with the base colour for albedo: metals too. Both sides of every face
+//! Surfaces are Lambertian here, with the base colour for albedo: metals too; what the eye sees of a gloss is
+//! [`crate::Gloss`]. Both sides of every face
 //! receive and reflect; emission leaves the sides that the material lets shine.
 
 use crate::gbuffer::GBuffer;

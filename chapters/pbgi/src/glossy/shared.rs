@@ -254,7 +254,8 @@ mod tests {
             let glow = if is_up { [1.0; 3] } else { [0.0; 3] };
             let light = if is_up { [0.0; 3] } else { [1.0; 3] };
             if towards.z > 0.0 {
-                let sample = Sample { place: towards, is_far: true, light, glow, ..Sample::default() };
+                let sample =
+                    Sample { place: towards, is_far: true, light, glow, ..Sample::default() };
                 pixel.samples.push(Sample { by_lobe: true, ..sample });
             }
         }
