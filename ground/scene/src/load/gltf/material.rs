@@ -1,6 +1,6 @@
 //! Materials: metallic-roughness, with what extensions add.
 //!
-//! Specular-glossiness is read as base colour (its diffuse colour) and roughness (one minus
+//! Of KHR_materials_specular the factor is read. Specular-glossiness is read as base colour (its diffuse colour) and roughness (one minus
 //! glossiness). Where an image is missing, mid-grey stands in for colours; relief, emission and
 //! metal that only it knew are left out.
 

@@ -8,11 +8,12 @@ use super::json::Value;
 use chiaro_basis::{Error, Result};
 
 /// Read in full, or as far as scenes here go.
-const SUPPORTED: [&str; 10] = [
+const SUPPORTED: [&str; 11] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
@@ -22,7 +23,7 @@ const SUPPORTED: [&str; 10] = [
 ];
 
 /// Refine the looks of materials, or hold data that no picture shows.
-const REFINEMENTS: [&str; 17] = [
+const REFINEMENTS: [&str; 16] = [
     "EXT_materials_bump",
     "FB_ngon_encoding",
     "KHR_materials_anisotropy",
@@ -32,7 +33,6 @@ const REFINEMENTS: [&str; 17] = [
     "KHR_materials_ior",
     "KHR_materials_iridescence",
     "KHR_materials_sheen",
-    "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_variants",
     "KHR_materials_volume",
