@@ -46,7 +46,7 @@ const CHOICE: usize = 2;
 /// Variance of a lobe's slope at most, by how normals vary.
 const MOST_VARIANCE: f32 = 0.04;
 /// Rows of pixels done together; even, as blocks begin at every second.
-const ROWS: usize = 32;
+const ROWS: usize = 16;
 
 /// Light from a point or, at infinity, from a direction.
 #[derive(Clone, Copy, Default)]
