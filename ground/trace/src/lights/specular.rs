@@ -52,7 +52,7 @@ impl Lights {
         let (towards, distance) = (point.position - at.position).normalize_and_length();
         let outward = -triangle.normal.dot(towards);
         let outward = if triangle.two_sided { outward.abs() } else { outward };
-        if !(outward > 0.0) {
+        if outward <= 0.0 || outward.is_nan() {
             return None;
         }
         let ray = at.ray_to(point.position)?;
