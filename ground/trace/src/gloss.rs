@@ -32,9 +32,9 @@ pub struct Gloss {
     pub normal: Vec3,
     /// Unit vector to the eye.
     pub to_eye: Vec3,
-    /// The distribution's width.
+    /// The distribution's width: roughness squared.
     pub alpha: f32,
-    /// Reflectance head-on and at grazing angles.
+    /// Reflectance head-on, linear RGB.
     pub f0: [f32; 3],
     /// The same at grazing angles.
     pub f90: f32,
