@@ -17,6 +17,8 @@ const ALONG: f64 = 0.87;
 const STEP: f64 = 1.0;
 /// Lines that only cross others are beside them for less than this, pixels.
 const CROSSING: f64 = 5.0;
+/// Places in a row that are not beside a line before it counts as left.
+const LAPSE: usize = 3;
 
 /// Places that are between a place and those that it is asked against on its own line.
 const AGO: usize = 12;
@@ -77,12 +79,18 @@ impl Beside {
 
     /// What is left of a run, and what is not.
     pub(crate) fn parted(&self, path: &Path, run: Run) -> (Vec<Run>, Vec<[Place; 2]>) {
+        self.parted_after(path, run, &mut Past::new(self.near))
+    }
+
+    /// The same for a run that goes on a line of which some is past.
+    fn parted_after(&self, path: &Path, run: Run, past: &mut Past) -> (Vec<Run>, Vec<[Place; 2]>) {
         let (mut left, mut gone) = (Vec::new(), Vec::new());
         if self.near <= 0.0 {
             return (vec![run], gone);
         }
-        let (mut own, mut recent) = (Self::new(self.near), VecDeque::new());
         let mut since: Option<Place> = None;
+        // Where a line was left, and for how many places.
+        let mut lapse: Option<(Place, usize)> = None;
         let mut start = run.start;
         let mut close = |since: Option<Place>, end: Place, start: &mut Place| {
             let Some(from) = since else { return };
@@ -96,18 +104,22 @@ impl Beside {
             *start = end;
         };
         for (place, at, along) in places(path, run) {
-            let held = self.holds(at, along) || own.holds(at, along);
-            recent.push_back((at, along, held));
-            if recent.len() > AGO {
-                recent.pop_front().filter(|r| !r.2).into_iter().for_each(|r| own.put(r.0, r.1));
-            }
+            let held = self.holds(at, along) || past.own.holds(at, along);
+            past.tell(at, along, held);
             match (held, since) {
                 (true, None) => since = Some(place),
-                (false, Some(_)) => close(since.take(), place, &mut start),
-                _ => {}
+                (true, Some(_)) => lapse = None,
+                (false, Some(_)) => {
+                    let (left, count) = lapse.map_or((place, 1), |l| (l.0, l.1 + 1));
+                    lapse = Some((left, count)).filter(|_| count < LAPSE);
+                    if count == LAPSE {
+                        close(since.take(), left, &mut start);
+                    }
+                }
+                (false, None) => {}
             }
         }
-        close(since, run.end, &mut start);
+        close(since, lapse.map_or(run.end, |l| l.0), &mut start);
         if start < run.end {
             left.push(Run { start, end: run.end });
         }
@@ -136,7 +148,11 @@ impl Beside {
         line: Line,
         gone: &mut Vec<(usize, Run)>,
     ) -> Vec<Line> {
-        let parts = line.parts.iter().map(|(i, run)| (*i, *run, self.parted(&paths[*i], *run)));
+        let mut past = Past::new(self.near);
+        let parts = line.parts.iter().map(|(i, run)| {
+            let parted = self.parted_after(&paths[*i], *run, &mut past);
+            (*i, *run, parted)
+        });
         let parts: Vec<_> = parts.collect();
         if parts.iter().all(|p| p.2.1.is_empty()) {
             return vec![line];
@@ -164,6 +180,27 @@ impl Beside {
         }
         lines.retain(|l| !l.is_empty());
         lines.into_iter().map(|parts| Line { parts, closed: false }).collect()
+    }
+}
+
+/// What a line was itself, some places ago.
+struct Past {
+    own: Beside,
+    recent: VecDeque<(DVec2, DVec2, bool)>,
+}
+
+impl Past {
+    fn new(near: f64) -> Self {
+        Self { own: Beside::new(near), recent: VecDeque::new() }
+    }
+
+    /// Tells the next place; one that is left out hides nothing later.
+    fn tell(&mut self, at: DVec2, along: DVec2, held: bool) {
+        self.recent.push_back((at, along, held));
+        if self.recent.len() > AGO {
+            let gone = self.recent.pop_front().filter(|r| !r.2);
+            gone.into_iter().for_each(|r| self.own.put(r.0, r.1));
+        }
     }
 }
 

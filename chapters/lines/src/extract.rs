@@ -2,6 +2,7 @@
 
 use crate::contour::Scenery;
 use crate::feature::Features;
+use crate::further::Further;
 use crate::intersect::intersections;
 use crate::join::Line;
 use crate::knob::{Hidden, LinesKnobs};
@@ -14,7 +15,7 @@ use crate::stroke::{Owner, Stroke};
 use crate::surface::Surface;
 use crate::view::View;
 use crate::visibility::{Limits, Run, Visible, hidden, visible};
-use crate::zeroset::zero_sets;
+use crate::zeroset::{ZeroSet, zero_sets};
 use chiaro_basis::math::DVec3;
 use std::collections::BTreeMap;
 
@@ -48,7 +49,7 @@ pub struct Lines {
     /// Its zero set: all silhouettes, hidden ones too.
     pub slice: Slice,
     /// Zero sets of further line types.
-    pub further: Vec<(Kind, Slice)>,
+    pub further: Vec<Further>,
     /// All lines of all kinds, hidden ones too.
     pub paths: Vec<Path>,
     /// What is seen of them.
@@ -91,7 +92,7 @@ impl Lines {
         if knobs.intersection {
             paths.extend(intersections(&scenery, &sight));
         }
-        let further = sets.into_iter().map(|s| (s.kind, s.slice)).collect();
+        let further = sets.into_iter().map(ZeroSet::further).collect();
         paths.retain(|p| p.total() > 0.0);
         let limits = Limits {
             gap: f64::from(knobs.bridge),

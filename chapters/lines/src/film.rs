@@ -11,6 +11,7 @@
 use crate::extract::{Lines, Moment, Stage};
 use crate::family::families;
 use crate::feature::Features;
+use crate::further::{Follower, Further};
 use crate::knob::LinesKnobs;
 use crate::mask::Masks;
 use crate::path::{Kind, Path};
@@ -20,7 +21,6 @@ use crate::stroke::Stroke;
 use crate::surface::{CreaseRule, NONE, Surface};
 use crate::track::{EventKind, Identity, Interval, Kinetic, Order, Strands};
 use crate::view::View;
-use crate::zeroset::by_edges;
 use chiaro_basis::math::{DVec2, DVec3};
 use chiaro_basis::{Result, Run};
 use chiaro_scene::{Frame, Scene};
@@ -67,6 +67,8 @@ pub struct FilmFrame {
     pub interval: Interval,
     /// Whether the frame begins a new block of space-time: the first one, and after a camera cut.
     pub begins: bool,
+    /// Zero sets of further line types, hidden parts too.
+    pub further: Vec<Further>,
     /// What is seen.
     pub strokes: Vec<Stroke>,
     /// What is hidden, where that is drawn; ids go on after those of what is seen.
@@ -233,6 +235,7 @@ struct Tracking<'a> {
     identity: Identity,
     last: Option<Last>,
     kinetic: Option<Kinetic<'a>>,
+    follower: Follower<'a>,
     next_label: u32,
     turned: f64,
     /// The greatest picture length of each line: silhouettes by label, edges by chain.
@@ -244,7 +247,6 @@ struct Last {
     g: Vec<f64>,
     positions: Vec<DVec3>,
     view: View,
-    further: Vec<Slice>,
 }
 
 impl<'a> Tracking<'a> {
@@ -256,6 +258,7 @@ impl<'a> Tracking<'a> {
             identity: Identity::default(),
             last: None,
             kinetic: None,
+            follower: Follower::default(),
             next_label: 0,
             turned: 0.0,
             lengths: BTreeMap::new(),
@@ -282,13 +285,18 @@ impl<'a> Tracking<'a> {
     }
 
     /// Takes the next frame's lines.
-    fn take(&mut self, ready: &Ready, lines: Lines) {
+    fn take(&mut self, ready: &Ready, mut lines: Lines) {
         let begins = self.is_cut(&ready.view);
         let (labels, interval) = match self.fixed {
             Some(ground) => self.track(ground, &lines, begins),
             None => (self.fresh_labels(lines.slice.chains.len()), None),
         };
-        self.identify(ready, &lines, begins, interval.as_ref());
+        let further = self.follow(ready, &mut lines, begins);
+        self.identify(ready, &lines, begins, (interval.as_ref(), &further));
+        if let Some(before) = self.film.frames.last_mut() {
+            let pairs = before.further.iter_mut().zip(further);
+            pairs.for_each(|(set, forward)| set.forward = forward.unwrap_or_default());
+        }
         if let Some(interval) = interval {
             self.locate(&interval, &ready.posed.positions, &ready.view);
             self.film.frames.last_mut().expect("an interval ends a frame").interval = interval;
@@ -306,16 +314,13 @@ impl<'a> Tracking<'a> {
             labels,
             interval: Interval::default(),
             begins,
+            further: lines.further,
             strokes: lines.strokes,
             hidden: lines.hidden,
             stretches,
         });
-        self.last = Some(Last {
-            g: lines.g,
-            positions: ready.posed.positions.clone(),
-            view: ready.view,
-            further: lines.further.into_iter().map(|f| f.1).collect(),
-        });
+        self.last =
+            Some(Last { g: lines.g, positions: ready.posed.positions.clone(), view: ready.view });
     }
 
     fn fresh_labels(&mut self, count: usize) -> Vec<u32> {
@@ -357,23 +362,26 @@ impl<'a> Tracking<'a> {
         (lines.slice.chains.iter().map(label).collect(), interval)
     }
 
+    /// Follows the further zero sets; what the crossings of the frame before become.
+    fn follow(&mut self, ready: &Ready, lines: &mut Lines, begins: bool) -> Vec<Option<Vec<u32>>> {
+        let Some(ground) = self.fixed else { return vec![None; lines.further.len()] };
+        let before = self.film.frames.last().filter(|_| !begins).map(|f| f.further.as_slice());
+        let place = (ready.posed.positions.as_slice(), &ready.view);
+        self.follower.advance(&ground.surface, before, &mut lines.further, place)
+    }
+
     fn identify(
         &mut self,
         ready: &Ready,
         lines: &Lines,
         begins: bool,
-        interval: Option<&Interval>,
+        (interval, further): (Option<&Interval>, &[Option<Vec<u32>>]),
     ) {
         let strands = strands(lines, self.fixed.map(|g| &g.features));
         let mut forward: Vec<Option<Vec<u32>>> = vec![interval.map(|i| in_parts(&i.forward))];
         // Edges stay where they are.
         forward.push((!begins).then(|| (0..strands[1].stroke.len() as u32).collect()));
-        for (i, (_, slice)) in lines.further.iter().enumerate() {
-            let before = self.last.as_ref().and_then(|l| l.further.get(i)).filter(|_| !begins);
-            let pair = before.zip(self.fixed);
-            let follow = |(b, g): (&Slice, &Ground)| in_parts(&by_edges(&g.surface, b, slice));
-            forward.push(pair.map(follow));
-        }
+        forward.extend(further.iter().map(|f| f.as_deref().map(in_parts)));
         let families: Vec<(&Strands, Option<&[u32]>)> =
             strands.iter().zip(&forward).map(|(s, f)| (s, f.as_deref())).collect();
         self.identity.advance(lines.strokes.len(), &families);
@@ -528,12 +536,12 @@ fn strands(lines: &Lines, features: Option<&Features>) -> Vec<Strands> {
     let silhouettes = Strands::empty(starts(&mut chains.map(|c| c.count as usize)));
     let edges = Strands::empty(starts(&mut features.into_iter().flat_map(Features::counts)));
     let mut families = vec![silhouettes, edges];
-    for (_, slice) in &lines.further {
-        let chains = slice.chains.iter();
+    for set in &lines.further {
+        let chains = set.slice.chains.iter();
         families.push(Strands::empty(starts(&mut chains.map(|c| c.count as usize))));
     }
     for (i, path) in lines.paths.iter().enumerate() {
-        let further = || lines.further.iter().position(|f| f.0 == path.kind).map(|i| i + 2);
+        let further = || lines.further.iter().position(|f| f.kind == path.kind).map(|i| i + 2);
         let family = match path.kind {
             Kind::Silhouette => Some(0),
             kind if kind.is_edge() => features.map(|_| 1),

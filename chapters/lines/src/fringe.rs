@@ -3,10 +3,10 @@
 //! Opacity minus cutoff is one more function on the surface, and its zero set a line. Textures are finer
 //! than faces, so each face gets a grid of its own, about [`CELL`] pixels wide where the shot shows it
 //! largest; opacity is averaged over a cell, so that texels below a pixel make no lines. Zero sets are
-//! found in the grid's triangles and joined across edges of faces. Where they are on the surface never
+//! found in the grid's triangles and joined across edges of faces, creases too. Where they are on the surface never
 //! changes, so a fringe is the same line in every frame, like an edge.
 //!
-//! Not done: fringes are not joined over creases, nor to the borders of their faces.
+//! Not done: fringes are not joined to the borders of their faces.
 
 use crate::contour::Scenery;
 use crate::film::{Ground, Reel};
@@ -196,7 +196,7 @@ impl Found {
         let mut halves: Vec<u32> = self.rims.keys().copied().collect();
         halves.sort_unstable();
         for half in halves {
-            let mate = surface.mate[half as usize];
+            let mate = across(surface, half);
             let Some(others) = self.rims.get(&mate).filter(|_| half < mate) else { continue };
             let mut pairs = Vec::new();
             for &(t, a, cell) in &self.rims[&half] {
@@ -262,6 +262,16 @@ impl Found {
         }
         fringe
     }
+}
+
+/// The half-edge of a real face on the other side of an edge, beyond the strip where that is a crease.
+fn across(surface: &Surface, half: u32) -> u32 {
+    let mate = surface.mate[half as usize];
+    if mate == NONE || !surface.is_strip(mate as usize / 3) {
+        return mate;
+    }
+    let crease = surface.crease_of(mate as usize / 3);
+    crease.map_or(NONE, |c| if c.left == half { c.right } else { c.left })
 }
 
 impl Fringe {
@@ -352,6 +362,18 @@ mod tests {
         let reel = Reel { scene, count: 1, at: &at };
         let knobs = LinesKnobs { hidden, ..LinesKnobs::default() };
         crate::Film::of(&reel, &knobs, &Run::default()).expect("it ends")
+    }
+
+    #[test]
+    fn an_outline_runs_on_over_a_crease() {
+        let mut scene = disc(2);
+        scene.meshes[0].positions.iter_mut().for_each(|p| p.z = -1.2 * p.x.abs());
+        let film = film(&scene, Hidden::Drop);
+        let strokes = &film.frames[0].strokes;
+        assert!(strokes.iter().any(|s| s.kind == Kind::Crease), "the card is folded");
+        let borders: Vec<_> = strokes.iter().filter(|s| s.kind == Kind::Border).collect();
+        assert_eq!(borders.len(), 1);
+        assert!(borders[0].closed);
     }
 
     #[test]

@@ -106,7 +106,7 @@ knobs! {
 
         step: f32 = 3.0, Number { min: 0.5, max: 20.0 }, "ds", "px", "distance of a stroke's samples";
         bridge: f32 = 4.0, Number { min: 0.0, max: 100.0 }, "", "px", "hidden gaps below this are bridged";
-        shortest: f32 = 8.0, Number { min: 0.0, max: 500.0 }, "", "px", "visible runs below this are dropped";
+        shortest: f32 = 10.0, Number { min: 0.0, max: 500.0 }, "", "px", "visible runs below this are dropped";
         beside: f32 = 1.5, Number { min: 0.0, max: 20.0 }, "", "px", "lines that run beside a stronger one within this are left out";
         prune: f32 = 24.0, Number { min: 0.0, max: 1000.0 }, "", "px", "closed silhouettes that never grow longer than this are dropped, hidden parts counted";
         hidden: Hidden = Hidden::Drop, Choice(Hidden::WORDS), "", "", "what becomes of hidden lines";

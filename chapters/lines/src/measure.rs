@@ -1,10 +1,13 @@
 //! Measures of a film's lines: the record's counts, rows L4 and L5.
 
 use crate::film::{Film, FilmFrame};
+use crate::overlap::overlap;
+use crate::parameter::whole;
 use crate::stroke::Stroke;
 use crate::track::EventKind;
 use chiaro_basis::math::DVec2;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// A stroke below this length is short, pixels.
@@ -34,6 +37,8 @@ pub struct Measures {
     pub id_changes: f64,
     /// Share of stretches whose visibility votes did not agree.
     pub split_share: f64,
+    /// Share of the length that is drawn twice ([`crate::overlap`]).
+    pub overlap: f64,
 }
 
 /// Measures a film.
@@ -63,6 +68,7 @@ pub fn measure(film: &Film) -> Measures {
         one_to_one: one_to_one(film),
         id_changes: share(lives.values().map(|l| inside(l) as f64).sum(), last as f64),
         split_share: share(stretches[1] as f64, stretches[0] as f64),
+        overlap: doubled(film),
     }
 }
 
@@ -81,8 +87,24 @@ impl Measures {
             ("one_to_one_share", self.one_to_one),
             ("id_changes_per_frame", self.id_changes),
             ("split_stretches_share", self.split_share),
+            ("overlap_share", self.overlap),
         ]
     }
+}
+
+/// Share of the length of lines, as they are drawn, that is drawn twice.
+fn doubled(film: &Film) -> f64 {
+    let lengths: Vec<[f64; 2]> = film
+        .frames
+        .par_iter()
+        .map(|frame| {
+            let lines: Vec<Stroke> =
+                whole(&frame.strokes).into_iter().map(Cow::into_owned).collect();
+            [overlap(&lines), lines.iter().map(Stroke::total).sum()]
+        })
+        .collect();
+    let [doubled, all] = lengths.iter().fold([0.0; 2], |a, l| [a[0] + l[0], a[1] + l[1]]);
+    if all > 0.0 { doubled / all } else { 0.0 }
 }
 
 fn events(film: &Film) -> [u64; 3] {

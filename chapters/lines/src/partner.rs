@@ -6,9 +6,13 @@
 //! 2. Of the segments there, the one nearest in the picture to where the sample's material point has
 //!    moved holds the partner: two samples with weights 1 - b and b, as (4.7) wants.
 //!
-//! Edge lines stay on their edges. Other zero sets have no partners: they are not followed on S.
+//! Edge lines stay on their edges. Terminators and suggestive contours have their own S, the crossings of
+//! ridges, valleys and apparent ridges become those nearest to where they have moved ([`Further`]).
+//! Where pieces pass through each other, and on meshes made anew, the nearest segment of the next
+//! frame holds the partner: there of lines of the kind, here of the stroke's id, from where the sample is.
 
 use crate::film::{Film, FilmFrame};
+use crate::further::Further;
 use crate::path::Kind;
 use crate::slice::Slice;
 use crate::stroke::{Sample, Stroke};
@@ -18,6 +22,8 @@ use std::collections::HashMap;
 
 /// Crossings beside those that S gives among which the nearest is sought.
 const AROUND: f64 = 6.0;
+/// Where nothing tells whereabouts, the nearest segment may be so far away, pixels.
+const REACH: f64 = 12.0;
 
 /// A point of a segment of a stroke of the next frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,9 +48,9 @@ impl Film {
         let Some(next) = next else {
             return here.strokes.iter().map(|s| vec![None; s.samples.len()]).collect();
         };
-        let targets = Targets::of(next);
-        let of =
-            |s: &Stroke| s.samples.iter().map(|p| partner(here, next, &targets, s, p)).collect();
+        let remade = self.surface.is_none();
+        let pair = Pair { here, next, targets: Targets::of(next), remade };
+        let of = |s: &Stroke| s.samples.iter().map(|p| pair.partner(s, p)).collect();
         here.strokes.iter().map(of).collect()
     }
 }
@@ -76,36 +82,77 @@ struct Window {
     around: Option<f64>,
 }
 
-fn partner(
-    here: &FilmFrame,
-    next: &FilmFrame,
-    targets: &Targets,
-    stroke: &Stroke,
-    sample: &Sample,
-) -> Option<Partner> {
-    let at = sample.next_at?;
-    let window = match stroke.kind {
-        Kind::Silhouette => along_s(here, &next.slice, sample.chain, sample.on_chain)?,
-        kind if kind.is_edge() => {
-            Window { chain: sample.chain, middle: sample.on_chain, reach: 1.0, around: None }
-        }
-        _ => return None,
-    };
-    let mut best: Option<Partner> = None;
-    for &index in targets.0.get(&(stroke.kind, window.chain))? {
-        let target = &next.strokes[index as usize];
-        for (k, a, b) in segments(target) {
-            let holds = |s: &Sample| s.chain == window.chain && window.holds(s.on_chain);
-            if !holds(a) && !holds(b) {
-                continue;
+/// A frame and the next one, with the strokes of that.
+struct Pair<'a> {
+    here: &'a FilmFrame,
+    next: &'a FilmFrame,
+    targets: Targets,
+    /// Whether meshes are made anew: then nothing tells where a sample moves.
+    remade: bool,
+}
+
+impl Pair<'_> {
+    fn partner(&self, stroke: &Stroke, sample: &Sample) -> Option<Partner> {
+        let (at, window) = match self.remade {
+            true => (sample.at, None),
+            false if stroke.kind.is_voted() => (sample.next_at?, None),
+            false => (sample.next_at?, Some(self.window(stroke, sample)?)),
+        };
+        match window {
+            Some(window) => {
+                let strokes = self.targets.0.get(&(stroke.kind, window.chain))?;
+                let holds = |s: &Sample| s.chain == window.chain && window.holds(s.on_chain);
+                self.nearest(at, strokes.iter().copied(), &holds)
             }
-            let (share, distance) = nearest(at, a.at, b.at);
-            if best.is_none_or(|b| distance < b.distance) {
-                best = Some(Partner { stroke: index, segment: k, share, distance });
+            None => {
+                let strokes = (0..)
+                    .zip(&self.next.strokes)
+                    .filter(|(_, s)| s.kind == stroke.kind && (!self.remade || s.id == stroke.id));
+                let near = |p: Partner| p.distance <= REACH;
+                self.nearest(at, strokes.map(|s| s.0), &|_| true).filter(|p| near(*p))
             }
         }
     }
-    best
+
+    /// Whereabouts on which chain of the next frame a sample is then.
+    fn window(&self, stroke: &Stroke, sample: &Sample) -> Option<Window> {
+        let (here, next) = (self.here, self.next);
+        let of = |f: &&Further| f.kind == stroke.kind;
+        let (slices, forward) = match stroke.kind {
+            Kind::Silhouette => ([&here.slice, &next.slice], &here.interval.forward),
+            kind if kind.is_edge() => {
+                let (chain, middle) = (sample.chain, sample.on_chain);
+                return Some(Window { chain, middle, reach: 1.0, around: None });
+            }
+            _ => {
+                let [a, b] = [here, next].map(|f| f.further.iter().find(of));
+                ([&a?.slice, &b?.slice], &a?.forward)
+            }
+        };
+        along_s(slices, forward, sample.chain, sample.on_chain)
+    }
+
+    /// The nearest place on segments of strokes of which an end is held.
+    fn nearest(
+        &self,
+        at: DVec2,
+        strokes: impl Iterator<Item = u32>,
+        holds: &dyn Fn(&Sample) -> bool,
+    ) -> Option<Partner> {
+        let mut best: Option<Partner> = None;
+        for index in strokes {
+            for (k, a, b) in segments(&self.next.strokes[index as usize]) {
+                if !holds(a) && !holds(b) {
+                    continue;
+                }
+                let (share, distance) = nearest(at, a.at, b.at);
+                if best.is_none_or(|b| distance < b.distance) {
+                    best = Some(Partner { stroke: index, segment: k, share, distance });
+                }
+            }
+        }
+        best
+    }
 }
 
 impl Window {
@@ -116,12 +163,12 @@ impl Window {
 }
 
 /// Where the crossings beside a place on a chain are one frame later.
-fn along_s(here: &FilmFrame, next: &Slice, chain: u32, place: f64) -> Option<Window> {
-    let chain = here.slice.chains[chain as usize];
+fn along_s([here, next]: [&Slice; 2], forward: &[u32], chain: u32, place: f64) -> Option<Window> {
+    let chain = here.chains[chain as usize];
     let n = chain.count as usize;
     let k = (place.max(0.0) as usize).min(n - 1);
     let after = if k + 1 < n || !chain.closed { (k + 1).min(n - 1) } else { 0 };
-    let forward = |k: usize| here.interval.forward.get(chain.start as usize + k).copied();
+    let forward = |k: usize| forward.get(chain.start as usize + k).copied();
     let known = |k: usize| forward(k).filter(|j| *j != NONE);
     let (a, b) = match (known(k), known(after)) {
         (Some(a), Some(b)) => (a, b),

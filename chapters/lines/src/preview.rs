@@ -12,7 +12,7 @@ use crate::path::{Kind, Path, Place};
 use crate::slice::Slice;
 use crate::view::View;
 use crate::visibility::{Label, Run, Visible, runs};
-use crate::zeroset::zero_sets;
+use crate::zeroset::{ZeroSet, zero_sets};
 use chiaro_basis::math::DVec2;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -50,7 +50,7 @@ impl Lines {
         let lines = lines.map(|(i, run)| Line::single(i, run)).collect();
         let beside = vec![Vec::new(); paths.len()];
         let visible = Visible { lines, runs, beside, ..Visible::default() };
-        let further = sets.into_iter().map(|s| (s.kind, s.slice)).collect();
+        let further = sets.into_iter().map(ZeroSet::further).collect();
         let (strokes, hidden, parts) = strokes_of(&paths, &visible, stage, moment);
         Self { g, slice, further, paths, visible, strokes, hidden, parts }
     }

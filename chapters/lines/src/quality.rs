@@ -8,6 +8,7 @@ use crate::parameter::near::Near;
 use crate::parameter::net::{AGREES, DEPTH, REACH, direction, material};
 use crate::stroke::Stroke;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Sliding by more than this is seen, pixels.
 const SEEN: f64 = 2.0;
@@ -19,6 +20,9 @@ const BROKEN: f64 = 0.2;
 const LEAST_PERIOD: f64 = 1e-6;
 /// Pixels by which another stroke must be nearer to take a material point away.
 const NEARER: f64 = 2.0;
+
+/// Share of an id's length that other ids must go on with for its end to be untrue.
+const HANDED: f64 = 0.5;
 
 /// The pattern by which pops are measured, pixels.
 const PATTERN: f64 = 24.0;
@@ -47,6 +51,11 @@ pub struct Quality {
     pub folded: f64,
     /// Segments on which u does not rise.
     pub folds: usize,
+    /// Share of length that goes on under another id.
+    pub renamed: f64,
+    /// Ids, a frame pair, that begin where most of their line was seen the frame before under other ids,
+    /// or end where most of it is seen under others the frame after: births and deaths that are no events.
+    pub untrue_changes: f64,
 }
 
 /// A sample whose material point meets a line.
@@ -70,6 +79,8 @@ struct Pair {
     slides: Vec<Slide>,
     /// The longest stretch of line that turns from ink to paper or back.
     pop: f64,
+    /// For each id before and after, the length that is seen, and what of it other ids go on with.
+    handed: [BTreeMap<u32, [f64; 2]>; 2],
 }
 
 /// Measures the seen strokes of a film.
@@ -92,7 +103,22 @@ pub fn quality(film: &Film) -> Quality {
         stretch_p95: percentile(rising.map(|s| (s.0.log2().abs(), s.1)).collect(), 0.95),
         folded: share(slopes.iter().map(|s| (s.1, s.0 <= 0.0))),
         folds: slopes.iter().filter(|s| s.0 <= 0.0).count(),
+        renamed: share(all().map(|s| (s.length, !s.keeps_id))),
+        untrue_changes: untrue_changes(&pairs) as f64 / pairs.len().max(1) as f64,
     }
+}
+
+/// Ids that begin or end between two frames though their line was there before, or is there after.
+fn untrue_changes(pairs: &[Pair]) -> usize {
+    let most = |[seen, other]: &[f64; 2]| *other > HANDED * seen;
+    let changes = |own: &BTreeMap<u32, [f64; 2]>, beside: &BTreeMap<u32, [f64; 2]>| {
+        own.iter().filter(|(id, sums)| !beside.contains_key(id) && most(sums)).count()
+    };
+    let of = |p: &Pair| {
+        let [before, after] = &p.handed;
+        changes(before, after) + changes(after, before)
+    };
+    pairs.iter().map(of).sum()
 }
 
 /// Sliding of every sample whose material point meets a line of its kind.
@@ -100,6 +126,9 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
     let there: Vec<&Stroke> = next.strokes.iter().collect();
     let near = Near::of(there.iter().copied(), &next.view);
     let mut pair = Pair::default();
+    for (strokes, seen) in [&here.strokes, &next.strokes].into_iter().zip(&mut pair.handed) {
+        strokes.iter().for_each(|s| seen.entry(s.id).or_default()[0] += s.total());
+    }
     for stroke in &here.strokes {
         let weight = stroke.total() / stroke.samples.len() as f64;
         let mut run = 0.0;
@@ -125,6 +154,11 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
             let periods = [stroke, other].into_iter().filter_map(Stroke::begins_anew);
             for period in periods.filter(|p| *p > LEAST_PERIOD) {
                 du -= (du / period).round() * period;
+            }
+            if other.id != stroke.id {
+                for (ids, id) in pair.handed.iter_mut().zip([stroke.id, other.id]) {
+                    ids.entry(id).or_default()[1] += weight;
+                }
             }
             let scale = 0.5 * (stroke.pixels_per_u + other.pixels_per_u);
             pair.slides.push(Slide {
@@ -178,7 +212,7 @@ fn percentile(mut items: Vec<(f64, f64)>, at: f64) -> f64 {
 
 impl Quality {
     /// Names and values for records.
-    pub fn named(&self) -> [(&'static str, f64); 9] {
+    pub fn named(&self) -> [(&'static str, f64); 11] {
         [
             ("slide_p95_px", self.slide_p95),
             ("slide_over_2px", self.slide_over_2),
@@ -189,6 +223,8 @@ impl Quality {
             ("stretch_p95_octaves", self.stretch_p95),
             ("folded_share", self.folded),
             ("folds", self.folds as f64),
+            ("renamed_share", self.renamed),
+            ("untrue_id_changes_per_frame", self.untrue_changes),
         ]
     }
 }

@@ -125,11 +125,10 @@ pub fn visible(
             visible.beside[i].extend(gone.iter().map(|g| Run { start: g[0], end: g[1] }));
             for run in left.into_iter().filter(|r| paths[i].run_length(*r) >= limits.run) {
                 visible.lines.push(Line::single(i, run));
+                if drawn(paths[i].kind) {
+                    beside.tell(&paths[i], run);
+                }
             }
-        }
-        if drawn(paths[i].kind) {
-            let own = visible.lines.iter().rev().take_while(|l| l.parts[0].0 == i);
-            own.for_each(|l| beside.tell(&paths[i], l.parts[0].1));
         }
     }
     visible.runs = vec![Vec::new(); paths.len()];
@@ -182,7 +181,7 @@ fn strength(kind: Kind) -> usize {
     Kind::ALL.iter().rev().position(|k| *k == kind).unwrap_or(0)
 }
 
-/// Lines without those that are too short, or short and beside a longer one; of others without what is beside a
+/// Lines without those that are too short, or short and beside a longer one, and without what of them is beside a
 /// longer one, which is added to `gone`.
 fn kept(
     paths: &[Path],
@@ -203,11 +202,7 @@ fn kept(
         if !long(&line) && shares.fold(1.0, f64::min) >= MOSTLY {
             continue;
         }
-        let left = match long(&line) {
-            true => beside.parted_line(paths, line, gone),
-            false => vec![line],
-        };
-        for line in left.into_iter().filter(seen) {
+        for line in beside.parted_line(paths, line, gone).into_iter().filter(seen) {
             line.parts.iter().for_each(|(i, run)| beside.tell(&paths[*i], *run));
             kept.push(line);
         }

@@ -14,6 +14,7 @@
 
 use crate::contour::Scenery;
 use crate::curvature::{Form, forms, gradient, outer, principal};
+use crate::further::Further;
 use crate::knob::LinesKnobs;
 use crate::path::Kind;
 use crate::posed::Posed;
@@ -30,6 +31,16 @@ pub(crate) struct ZeroSet {
     pub(crate) slice: Slice,
     /// For each crossing, whether what follows is kept.
     pub(crate) keep: Vec<bool>,
+    /// The function at the vertices, if there is one.
+    pub(crate) values: Vec<f64>,
+}
+
+impl ZeroSet {
+    /// Without what is kept of it.
+    pub(crate) fn further(self) -> Further {
+        let Self { kind, slice, values, .. } = self;
+        Further { kind, slice, forward: Vec::new(), values }
+    }
 }
 
 /// Lines this close to edge-on belong to the silhouette: cosine.
@@ -74,7 +85,7 @@ fn terminator(scenery: &Scenery<'_>, g: &[f64], knobs: &LinesKnobs) -> ZeroSet {
     let keep = kept(&slice, scenery.surface, |face| {
         scenery.surface.faces[face].iter().all(|v| g[*v as usize] > 0.0)
     });
-    ZeroSet { kind: Kind::Terminator, slice, keep }
+    ZeroSet { kind: Kind::Terminator, slice, keep, values }
 }
 
 /// For each crossing, whether the face that follows is real and satisfies `fits`.
@@ -132,7 +143,7 @@ impl<'a> Bent<'a> {
                 && views.iter().all(|v| v.1 > EDGE_ON)
                 && gradient(self.surface, self.posed, &values, face).dot(w) > least
         });
-        ZeroSet { kind: Kind::Suggestive, slice, keep }
+        ZeroSet { kind: Kind::Suggestive, slice, keep, values }
     }
 
     /// Ridges, valleys or apparent ridges.
@@ -163,7 +174,7 @@ impl<'a> Bent<'a> {
             let mean = corners.iter().map(|&v| size[v]).sum::<f64>() / 3.0;
             corners.iter().all(|&v| g[v] > 0.0 && self.view_at(v).1 > EDGE_ON) && mean > least
         });
-        ZeroSet { kind, slice, keep }
+        ZeroSet { kind, slice, keep, values: Vec::new() }
     }
 
     /// The curvature whose maxima are sought, and its direction.
@@ -228,24 +239,4 @@ fn smoothed(surface: &Surface, posed: &Posed, forms: &[Form]) -> Vec<Form> {
         plane * (*sum * count.recip()) * plane
     };
     sums.iter().zip(&posed.normals).map(back).collect()
-}
-
-/// For each crossing of a slice, the crossing of a later one on the same edge, or on an edge of a
-/// face beside it: correspondence for zero sets that are not followed flip by flip.
-pub(crate) fn by_edges(surface: &Surface, before: &Slice, after: &Slice) -> Vec<u32> {
-    let mut at = std::collections::HashMap::with_capacity(after.crossings.len());
-    for (j, c) in after.crossings.iter().enumerate() {
-        at.entry(c.edge).or_insert(j as u32);
-    }
-    let near = |edge: u32| {
-        let half = surface.half[edge as usize];
-        let faces = [half, surface.mate[half as usize]];
-        let sides = faces.into_iter().filter(|h| *h != NONE).flat_map(|h| {
-            let f = h / 3;
-            3 * f..3 * f + 3
-        });
-        sides.map(|h| surface.edge[h as usize]).find_map(|e| at.get(&e).copied())
-    };
-    let forward = |edge: u32| at.get(&edge).copied().or_else(|| near(edge)).unwrap_or(NONE);
-    before.crossings.iter().map(|c| forward(c.edge)).collect()
 }

@@ -4,6 +4,7 @@ mod meshes;
 
 use chiaro_basis::Run;
 use chiaro_basis::math::{Vec3, vec3};
+use chiaro_lines::parameter::parameterize;
 use chiaro_lines::{Film, FilmFrame, Kind, LinesKnobs, Reel, View};
 use chiaro_scene::{Pose, Projection, Scene};
 use meshes::*;
@@ -85,6 +86,104 @@ fn partners_are_near_the_material_points_and_keep_ids() {
     assert!(same * 100 > 97 * found, "{same} of {found}");
     let last = film.partners(film.frames.len() - 1);
     assert!(last.iter().flatten().all(Option::is_none));
+}
+
+/// Of the samples of a kind whose material point stays in the picture: how many there are, how many have a
+/// partner, how many one of their own id within 3 px.
+fn partnered(film: &Film, kind: Kind) -> [usize; 3] {
+    let mut counts = [0; 3];
+    for (i, pair) in film.frames.windows(2).enumerate() {
+        let of_kind = pair[0].strokes.iter().zip(film.partners(i));
+        for (stroke, partners) in of_kind.filter(|(s, _)| s.kind == kind) {
+            for (sample, partner) in stroke.samples.iter().zip(partners) {
+                counts[0] += usize::from(sample.next_at.is_some());
+                let Some(p) = partner else { continue };
+                let target = &pair[1].strokes[p.stroke as usize];
+                assert_eq!(target.kind, kind);
+                counts[1] += 1;
+                counts[2] += usize::from(target.id == stroke.id && p.distance < 3.0);
+            }
+        }
+    }
+    counts
+}
+
+#[test]
+fn every_line_type_has_partners_and_keeps_ids() {
+    let (p, t) = torus(80, 40, 0.2);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let view = view(vec3(1.0, 3.0, 4.5));
+    let at = |i: usize| (turned(&still, Vec3::Y, 1.0 * i as f32), view);
+    let reel = Reel { scene: &scene, count: 4, at: &at };
+    let knobs = LinesKnobs {
+        suggestive: true,
+        ridge: true,
+        valley: true,
+        apparent_ridge: true,
+        terminator: true,
+        suggestive_strength: 1.0,
+        ridge_strength: 2.0,
+        apparent_strength: 4.0,
+        ..LinesKnobs::default()
+    };
+    let mut film = Film::of(&reel, &knobs, &Run::default()).expect("nothing stops it");
+    parameterize(&mut film, &[], &knobs, &Run::default()).expect("it has a solution");
+    let kinds = [
+        Kind::Silhouette,
+        Kind::Suggestive,
+        Kind::Ridge,
+        Kind::Valley,
+        Kind::ApparentRidge,
+        Kind::Terminator,
+    ];
+    for kind in kinds {
+        let [all, found, own] = partnered(&film, kind);
+        println!("{kind:?}: {all} {found} {own}");
+        assert!(all > 60, "{kind:?}: {all}");
+        assert!(found * 100 > 90 * all, "{kind:?}: {found} of {all}");
+        assert!(own * 100 > 95 * found, "{kind:?}: {own} of {found}");
+    }
+}
+
+#[test]
+fn intersections_have_partners() {
+    // A ring that sinks into a sheet.
+    let (mut positions, mut triangles) = torus(60, 30, 0.0);
+    let base = positions.len() as u32;
+    let (sheet, faces) = sheet(2, 0.0);
+    positions.extend(sheet.iter().map(|p| *p * 3.0));
+    triangles.extend(faces.iter().map(|f| f.map(|v| v + base)));
+    let scene = scene(positions, triangles, false);
+    let still = frame(&scene);
+    let sunk = |i: usize| {
+        let mut frame = still.clone();
+        for shape in &mut frame.shapes {
+            let n = base as usize;
+            let moved = |(k, p): (usize, &Vec3)| {
+                if k < n { *p - vec3(0.0, 0.15 + 0.02 * i as f32, 0.0) } else { *p }
+            };
+            shape.positions = shape.positions.iter().enumerate().map(moved).collect();
+        }
+        frame
+    };
+    let view = view(vec3(2.0, 5.0, 3.0));
+    let film = film(&scene, 4, &|i| (sunk(i), view));
+    let [all, found, own] = partnered(&film, Kind::Intersection);
+    assert!(all > 50 && found * 100 > 90 * all, "{found} of {all}");
+    assert!(own * 100 > 95 * found, "{own} of {found}");
+}
+
+#[test]
+fn a_mesh_made_anew_has_partners_by_votes() {
+    let scene = chiaro_scene::demo::scene("metaballs").expect("it is there");
+    let (playback, _) = scene.playback(&chiaro_scene::Choice::Auto).expect("clips play together");
+    let poser = chiaro_scene::Poser::new(&scene);
+    let view = view(vec3(1.0, 2.0, 8.0));
+    let film = film(&scene, 3, &|i| (poser.frame(i as f64 / 24.0, &playback), view));
+    let samples = |f: &FilmFrame| f.strokes.iter().map(|s| s.samples.len()).sum::<usize>();
+    let found = film.partners(0).iter().flatten().flatten().count();
+    assert!(found * 10 > 9 * samples(&film.frames[0]), "{found}");
 }
 
 #[test]

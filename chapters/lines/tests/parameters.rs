@@ -72,6 +72,19 @@ fn a_turning_torus_neither_slides_nor_folds() {
 }
 
 #[test]
+fn what_is_renamed_is_counted() {
+    let mut film = torus_film(8, 1.5);
+    let (_, q) = solve(&mut film, &plain());
+    assert_eq!(q.untrue_changes, 0.0);
+    assert!(q.renamed < 0.002, "{q:?}");
+    // From the middle on everything has another name: one pair of frames of seven.
+    film.frames[4..].iter_mut().flat_map(|f| &mut f.strokes).for_each(|s| s.id += 1000);
+    let q = chiaro_lines::quality(&film);
+    assert!(q.renamed > 0.1 && q.renamed < 0.2, "{q:?}");
+    assert!(q.untrue_changes >= 2.0 / 7.0, "{q:?}");
+}
+
+#[test]
 fn coherence_trades_stretch_for_sliding() {
     let mut film = torus_film(12, 3.0);
     let parameters =

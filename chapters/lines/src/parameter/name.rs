@@ -239,6 +239,28 @@ mod tests {
     }
 
     #[test]
+    fn a_line_that_goes_on_as_one_keeps_its_name() {
+        // A head (0, 1) and a body (2, 3) that become one line (4): the body weighs more in every frame,
+        // and the head's last step weighs more than its first.
+        let spans = [span(0, 0.0, 100.0), span(1, 0.0, 100.0), span(0, 0.0, 300.0)]
+            .into_iter()
+            .chain([span(1, 0.0, 300.0), span(2, 0.0, 400.0)])
+            .zip([0, 0, 1, 1, 1])
+            .map(|(s, chain)| Span { chain, ..s })
+            .collect::<Vec<_>>();
+        let bundle = |lines, weight, pure| Bundle { lines, weight, mutual: pure, pure };
+        let bundles = [
+            bundle([2, 3], 300.0, true),
+            bundle([3, 4], 299.0, false),
+            bundle([1, 4], 100.0, false),
+            bundle([0, 1], 99.0, true),
+        ];
+        let mut groups = Groups::joined(&spans, &bundles, false);
+        let roots: Vec<u32> = (0..5).map(|i| groups.root(i)).collect();
+        assert_eq!(roots, [0, 0, 2, 2, 2]);
+    }
+
+    #[test]
     fn nothing_lies_beside_a_closed_line() {
         let whole = span(0, f64::NEG_INFINITY, f64::INFINITY);
         assert!(overlaps(&whole, &span(0, 0.0, 30.0)));

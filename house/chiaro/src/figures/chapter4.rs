@@ -13,6 +13,11 @@ use chiaro_lines::{FilmEvent, FilmFrame, Kind, LinesKnobs, View};
 use chiaro_scene::{Pose, demo};
 
 const SIZE: (usize, usize) = (560, 420);
+/// Frames between an event and the frames that show it.
+const BESIDE: usize = 2;
+/// How much closer events are shown, and what is near them, pixels.
+const CLOSER: f64 = 4.0;
+const AROUND: f64 = 40.0;
 pub(super) const OBJECT: &str = "bumpy-torus";
 
 pub(super) const FIGURES: [Figure; 4] = [
@@ -33,7 +38,7 @@ pub(super) const FIGURES: [Figure; 4] = [
     Figure {
         name: "4.5",
         title: "events",
-        message: "The frames before and after a birth, a death and a saddle, hidden lines in grey.",
+        message: "Three frames before and after a birth, a death and a saddle, from near; hidden lines in grey.",
         columns: 2,
         draw: events,
     },
@@ -201,36 +206,64 @@ fn events(sheet: &mut Sheet, run: &Run) -> Result<()> {
     let knobs = LinesKnobs { hidden: chiaro_lines::Hidden::Dashed, ..LinesKnobs::default() };
     let shot = shot(OBJECT, 48, SIZE, &knobs, run)?;
     for kind in [EventKind::Birth, EventKind::Death, EventKind::Saddle] {
-        // The one whose chains are longest: most to be seen.
-        let of_kind = shot.film.events.iter().filter(|e| e.kind == kind && e.at.is_some());
-        let Some(event) =
-            of_kind.max_by_key(|e| (e.strokes.len(), std::cmp::Reverse(e.time as u64)))
-        else {
-            continue;
-        };
-        for after in [0, 1] {
+        let of_kind = shot.film.events.iter().filter(|e| e.kind == kind);
+        let told = of_kind.map(|e| (shown(&shot, e), e));
+        let Some((_, event)) = told.max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+        for after in [false, true] {
             sheet.add(event_picture(&shot, event, after), caption(event, after));
         }
     }
     Ok(())
 }
 
-fn caption(event: &FilmEvent, after: usize) -> String {
-    let side = if after == 0 { "before" } else { "after" };
+/// The frame by which an event is shown.
+fn side(shot: &Shot, event: &FilmEvent, after: bool) -> usize {
+    let first = event.time.floor() as usize;
+    let frame = if after { first + 1 + BESIDE } else { first.saturating_sub(BESIDE) };
+    frame.min(shot.film.frames.len() - 1)
+}
+
+/// How much is seen near an event of the chains that take part, pixels.
+fn shown(shot: &Shot, event: &FilmEvent) -> f64 {
+    let Some(at) = event.at else { return 0.0 };
+    let of = |after: bool| {
+        let frame = &shot.film.frames[side(shot, event, after)];
+        let labels = &event.labels[usize::from(after)];
+        let strokes = frame.strokes.iter().filter(|s| s.kind == Kind::Silhouette);
+        let samples = strokes.flat_map(|s| &s.samples).filter(|p| {
+            labels.contains(&frame.labels[p.chain as usize]) && p.at.distance(at) < AROUND
+        });
+        samples.count() as f64
+    };
+    // Where both sides show lines an event is told by both.
+    match event.kind {
+        EventKind::Saddle => of(false).min(of(true)),
+        _ => of(false).max(of(true)),
+    }
+}
+
+fn caption(event: &FilmEvent, after: bool) -> String {
+    let side = if after { "after" } else { "before" };
     format!("{} at frame {:.2}: {side}", event.kind.name(), event.time + 1.0)
 }
 
-fn event_picture(shot: &Shot, event: &FilmEvent, after: usize) -> Plane<[u8; 3]> {
-    let index = (event.time.floor() as usize + after).min(shot.film.frames.len() - 1);
-    let frame = &shot.film.frames[index];
+fn event_picture(shot: &Shot, event: &FilmEvent, after: bool) -> Plane<[u8; 3]> {
+    let frame = &shot.film.frames[side(shot, event, after)];
     let mut canvas = Canvas::new(SIZE);
-    let hidden: Vec<Polyline> = frame.hidden.iter().map(picture::polyline).collect();
-    canvas.lines(&hidden, 1.2, GREY);
-    let seen: Vec<Polyline> = frame.strokes.iter().map(picture::polyline).collect();
-    canvas.lines(&seen, 2.0, BLACK);
-    if let Some(at) = event.at {
-        canvas.lines(&mark(EventKind::Birth, at, 14.0), 1.5, RED);
-    }
+    let Some(at) = event.at else { return canvas.done() };
+    let middle = DVec2::new(SIZE.0 as f64, SIZE.1 as f64) * 0.5;
+    let near = |stroke: &chiaro_lines::Stroke| {
+        let mut line = picture::polyline(stroke);
+        let place = |p: &[f32; 2]| {
+            let p = DVec2::new(f64::from(p[0]), f64::from(p[1]));
+            (middle + (p - at) * CLOSER).as_vec2().to_array()
+        };
+        line.points = line.points.iter().map(place).collect();
+        line
+    };
+    canvas.lines(&frame.hidden.iter().map(near).collect::<Vec<_>>(), 1.2, GREY);
+    canvas.lines(&frame.strokes.iter().map(near).collect::<Vec<_>>(), 2.0, BLACK);
+    canvas.lines(&mark(EventKind::Birth, middle, 14.0), 1.5, RED);
     canvas.done()
 }
 

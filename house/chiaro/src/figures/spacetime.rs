@@ -1,8 +1,7 @@
 //! Figure 4.4: the space-time surface S as a solid thing: picture across, time into the depth.
 //!
-//! Between two frames S is drawn as the bands between neighbouring crossings and what they become; at births
-//! and deaths it is closed by a fan. Where lines merge and split the bands leave a gap: what is between the
-//! flips of an interval is not drawn. Hidden parts of lines are parts of S.
+//! Between two frames S is drawn as the bands between neighbouring crossings and what they become; at births,
+//! deaths and saddles it is closed by fans round the event. Hidden parts of lines are parts of S.
 
 use super::Figure;
 use super::chapter4::{BLACK, Canvas, OBJECT, mark, shot};
@@ -13,7 +12,7 @@ use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_image::sheet::Sheet;
 use chiaro_lines::track::EventKind;
-use chiaro_lines::{FilmEvent, LinesKnobs};
+use chiaro_lines::{Chain, FilmEvent, LinesKnobs, Slice};
 
 pub(super) const FIGURES: [Figure; 1] = [Figure {
     name: "4.4",
@@ -32,6 +31,8 @@ const FINE: usize = 2;
 const LIGHT: DVec3 = DVec3::new(-0.45, -0.65, -0.61);
 /// Neighbours on a chain that become more than so many crossings apart are on its two sides.
 const APART: u32 = 24;
+/// A saddle closes gaps up to so far away, pixels.
+const FAR: f64 = 40.0;
 /// A mark may lie so far behind S and be seen, frames.
 const BEHIND: f64 = 0.75;
 
@@ -91,33 +92,112 @@ fn places(scene: &str, shot: &Shot, run: &Run) -> Result<Places> {
 /// The bands of the interval after a frame.
 fn bands(shot: &Shot, places: &Places, i: usize, model: &mut Model) {
     let frame = &shot.film.frames[i];
+    let later = Later { slice: &shot.film.frames[i + 1].slice, places: &places[i + 1] };
+    let saddles = saddles(&shot.film.events, i);
     let forward = &frame.interval.forward;
+    let mut covered = vec![false; later.places.len()];
     for (chain, label) in frame.slice.chains.iter().zip(&frame.labels) {
-        let shade = if i.is_multiple_of(4) { 0.8 } else { 1.0 };
-        let colour = picture::id_colour(*label).map(|c| c * shade);
-        for k in 0..chain.count - u32::from(!chain.closed) {
-            let [a, b] = [k, (k + 1) % chain.count].map(|k| (chain.start + k) as usize);
+        let colour = shade(*label, i);
+        for (a, b) in pairs(chain) {
             let next = [a, b].map(|k| forward.get(k).copied().unwrap_or(u32::MAX));
-            let becomes = next.map(|j| places[i + 1].get(j as usize).copied().flatten());
+            let becomes = next.map(|j| later.places.get(j as usize).copied().flatten());
             let (Some(p), Some(q)) = (places[i][a], places[i][b]) else { continue };
             match becomes {
-                [Some(r), Some(s)] => {
-                    let later = &places[i + 1];
-                    let between = between(next, later).unwrap_or_else(|| vec![r, s]);
-                    between.windows(2).for_each(|w| model.add([p, w[0], w[1]], colour));
-                    model.add([p, s, q], colour);
-                }
+                [Some(r), Some(s)] => match later.between(next) {
+                    Some(between) => {
+                        let way: Vec<DVec3> =
+                            between.iter().filter_map(|j| later.places[*j]).collect();
+                        way.windows(2).for_each(|w| model.add([p, w[0], w[1]], colour));
+                        model.add([p, s, q], colour);
+                        let steps = between.len() - 1;
+                        between[..steps].iter().for_each(|j| covered[*j] = true);
+                    }
+                    None => {
+                        let tip = nearest(&saddles, p.midpoint(q), *label).unwrap_or(r.midpoint(s));
+                        for corners in [[p, q, tip], [p, r, tip], [q, s, tip]] {
+                            model.add(corners, colour);
+                        }
+                    }
+                },
                 [Some(r), None] | [None, Some(r)] => model.add([p, r, q], colour),
                 [None, None] => {}
             }
         }
     }
+    close(&later, &shot.film.frames[i + 1].labels, (&covered, &saddles), i, model);
 }
 
-/// The places from one crossing to another where they are near each other in their order.
-fn between([from, to]: [u32; 2], places: &[Option<DVec3>]) -> Option<Vec<DVec3>> {
-    (from <= to && to - from <= APART)
-        .then(|| places[from as usize..=to as usize].iter().copied().flatten().collect())
+/// Closes S between a saddle and the chains that leave it.
+fn close(
+    later: &Later<'_>,
+    labels: &[u32],
+    (covered, saddles): (&[bool], &[(DVec3, &[u32])]),
+    i: usize,
+    model: &mut Model,
+) {
+    for (chain, label) in later.slice.chains.iter().zip(labels) {
+        for (a, b) in pairs(chain).filter(|(a, _)| !covered[*a]) {
+            let (Some(r), Some(s)) = (later.places[a], later.places[b]) else { continue };
+            if let Some(tip) = nearest(saddles, r.midpoint(s), *label) {
+                model.add([r, s, tip], shade(*label, i));
+            }
+        }
+    }
+}
+
+/// The colour of a chain in an interval.
+fn shade(label: u32, i: usize) -> [f32; 3] {
+    let shade = if i.is_multiple_of(4) { 0.8 } else { 1.0 };
+    picture::id_colour(label).map(|c| c * shade)
+}
+
+/// Neighbours on a chain.
+fn pairs(chain: &Chain) -> impl Iterator<Item = (usize, usize)> {
+    let Chain { start, count, closed } = *chain;
+    let ends = move |k: u32| ((start + k) as usize, (start + (k + 1) % count) as usize);
+    (0..count - u32::from(!closed)).map(ends)
+}
+
+/// The saddles of an interval: where in the model, and the chains that take part.
+fn saddles(events: &[FilmEvent], i: usize) -> Vec<(DVec3, &[u32])> {
+    let here = |e: &&FilmEvent| e.kind == EventKind::Saddle && e.time.floor() as usize == i;
+    let tips = events.iter().filter(here).flat_map(|e| {
+        let at = e.at.map(|p| place(p, e.time));
+        e.labels.iter().filter_map(move |l| Some((at?, l.as_slice())))
+    });
+    tips.collect()
+}
+
+/// The saddle nearest to a place on a chain, if one is near.
+fn nearest(saddles: &[(DVec3, &[u32])], at: DVec3, label: u32) -> Option<DVec3> {
+    let away = |p: &DVec3| p.truncate().distance(at.truncate());
+    let own = saddles.iter().filter(|s| s.1.contains(&label)).map(|s| s.0);
+    own.filter(|p| away(p) < FAR).min_by(|a, b| away(a).total_cmp(&away(b)))
+}
+
+/// The slice at the end of an interval.
+struct Later<'a> {
+    slice: &'a Slice,
+    places: &'a [Option<DVec3>],
+}
+
+impl Later<'_> {
+    /// The crossings from one to another along their chain, if they are near each other on one.
+    fn between(&self, [from, to]: [u32; 2]) -> Option<Vec<usize>> {
+        let index = self.slice.chains.partition_point(|c| c.start <= from).checked_sub(1)?;
+        let chain = self.slice.chains[index];
+        if to < chain.start || to >= chain.start + chain.count {
+            return None;
+        }
+        let [a, b] = [from, to].map(|j| j - chain.start);
+        let steps = match (a <= b, chain.closed) {
+            (true, _) => b - a,
+            (false, true) => b + chain.count - a,
+            (false, false) => return None,
+        };
+        let at = |k: u32| (chain.start + (a + k) % chain.count) as usize;
+        (steps <= APART).then(|| (0..=steps).map(at).collect())
+    }
 }
 
 /// Closes S where a chain begins or ends.

@@ -1,14 +1,15 @@
 //! Lines as JSON, for other programs.
 //!
 //! Pixels to a thousandth, y down; world coordinates as they round to seven digits. The first sample
-//! of a closed stroke is not repeated.
+//! of a closed stroke is not repeated. `partner` is the correspondence along S of each sample: index of
+//! a stroke of the next frame, of a sample of it, and the share of the way from that to the one after.
 
 use super::ready::{Names, subject};
 use super::style::{LineStyle, brush_settings};
 use super::{Look, Shot};
 use chiaro_basis::math::{DVec2, DVec3};
 use chiaro_ink::brush::Brush;
-use chiaro_lines::{FilmEvent, FilmFrame, Kind, Owner, Stroke};
+use chiaro_lines::{FilmEvent, FilmFrame, Kind, Owner, Partner, Stroke};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,10 +18,11 @@ use std::fmt::Write;
 pub(super) fn document(shot: &Shot, wanted: &[u32], look: &Look<'_>) -> String {
     let mut brushes = Brushes::default();
     let mut text = String::from("{\"frames\":[");
-    let frames = shot.numbers.iter().zip(&shot.film.frames);
-    let chosen = frames.filter(|(n, _)| wanted.contains(n));
-    join(&mut text, chosen, |text, (number, f)| {
-        frame(text, *number, f, |s| brushes.of(&look.lines, &shot.names, s));
+    let frames = shot.numbers.iter().zip(&shot.film.frames).enumerate();
+    let chosen = frames.filter(|(_, (n, _))| wanted.contains(n));
+    join(&mut text, chosen, |text, (i, (number, f))| {
+        let partners = shot.film.partners(i);
+        frame(text, *number, f, &partners, |s| brushes.of(&look.lines, &shot.names, s));
     });
     text += "\n],\"events\":[";
     let events = shot.film.events.iter().map(|e| (number_of(&shot.numbers, e.time), e));
@@ -80,6 +82,7 @@ fn frame(
     text: &mut String,
     number: u32,
     frame: &FilmFrame,
+    partners: &[Vec<Option<Partner>>],
     mut brush: impl FnMut(&Stroke) -> usize,
 ) {
     let view = &frame.view;
@@ -88,11 +91,14 @@ fn frame(
     let _ = write!(text, "\n{{\"frame\":{number},\"clip_from_world\":[");
     join(text, matrix.into_iter(), |t, x| float(t, f64::from(x)));
     text.push_str("],\"strokes\":[");
-    join(text, frame.strokes.iter().chain(&frame.hidden), |t, s| stroke(t, s, brush(s)));
+    // Hidden parts have none.
+    let partners = partners.iter().map(Vec::as_slice).chain(std::iter::repeat(&[][..]));
+    let strokes = frame.strokes.iter().chain(&frame.hidden).zip(partners);
+    join(text, strokes, |t, (s, partners)| stroke(t, s, partners, brush(s)));
     text.push_str("]}");
 }
 
-fn stroke(text: &mut String, s: &Stroke, brush: usize) {
+fn stroke(text: &mut String, s: &Stroke, partners: &[Option<Partner>], brush: usize) {
     let _ = write!(
         text,
         "\n{{\"id\":{},\"type\":\"{}\",\"brush\":{brush},\"closed\":{},\"points\":[",
@@ -119,6 +125,11 @@ fn stroke(text: &mut String, s: &Stroke, brush: usize) {
     text.push_str("],\"next_world\":[");
     let next = s.samples.iter().map(|p| p.next_at.and(p.next_world));
     join(text, next, |t, p| option(t, p, place));
+    text.push_str("],\"partner\":[");
+    let partners = (0..s.samples.len()).map(|i| partners.get(i).copied().flatten());
+    join(text, partners, |t, p| {
+        option(t, p, |t, p| _ = write!(t, "[{},{},{}]", p.stroke, p.segment, p.share as f32));
+    });
     text.push_str("],\"depth\":[");
     join(text, s.samples.iter(), |t, p| float(t, p.depth));
     text.push_str("]}");
