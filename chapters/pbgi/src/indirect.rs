@@ -122,7 +122,7 @@ impl Indirect {
 /// What is wanted of a gather beside irradiance and openness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
-    /// From where pixels are open: [`Indirect::openings`].
+    /// From where pixels are open: [`Indirect::openings`]; records do not tell.
     pub openings: bool,
     /// What pixels reflect specularly: [`Indirect::specular`].
     pub specular: bool,

@@ -344,7 +344,7 @@ impl<'a> Net<'a> {
             irradiance: light.map(|l| [l[0], l[1], l[2]].map(|v| v.max(0.0))),
             openness: light.map(|l| (l[3] * FRAC_1_PI).clamp(0.0, 1.0)),
             gathers: self.entries.len() as u64,
-            visited: 0,
+            ..Indirect::none(width, height)
         })
     }
 }
