@@ -54,13 +54,13 @@ fn share(pixels: &[Option<&Glossy>; LANES], some: &[usize], block: &mut Block) {
     for (k, (i, pixel)) in members().enumerate() {
         let gloss = &pixel.gloss;
         let whole = gloss.reflectance();
-        for c in 0..3 {
+        block[i].1 = std::array::from_fn(|c| {
             let of = |[a, b]: [f32; 2]| gloss.f0[c] * a + gloss.f90 * b;
             let weight = of(sums.mean.weight.map(|w| w[k]));
             let mean = of(sums.mean.light[c].map(|w| w[k])) / weight;
             let reflected = if weight > 0.0 { whole[c] * mean } else { 0.0 };
-            block[i].1[c] = reflected + of(sums.glow.light[c].map(|w| w[k]));
-        }
+            reflected + of(sums.glow.light[c].map(|w| w[k]))
+        });
     }
 }
 
