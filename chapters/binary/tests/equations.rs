@@ -39,6 +39,7 @@ fn buffer(
         material: covered.map(|c| u32::from(*c)),
         base_colour: Plane::filled(width, height, [0.5; 3]),
         roughness: Plane::filled(width, height, 1.0),
+        metallic: Plane::filled(width, height, 0.0),
         emissive: Plane::filled(width, height, [0.0; 3]),
         covered,
     }
