@@ -43,6 +43,9 @@ impl Encoding {
     }
 }
 
+/// A stencil's sheet with its ink.
+type Inked = (Colour, Plane<bool>);
+
 /// What a file shows beside the picture itself.
 pub(crate) struct Plates<'a> {
     pub(crate) look: &'a Look<'a>,
@@ -85,7 +88,7 @@ impl Plates<'_> {
             let paper = self.look.colours.paper_is_white();
             return Ok(vec![bits(&one_bit(&picture.marks, &picture.lines, paper))]);
         };
-        let file = |(ink, sheet): &(Colour, Plane<bool>)| match encoding {
+        let file = |(ink, sheet): &Inked| match encoding {
             Encoding::Png => self.png(&self.coloured(*ink, sheet), picture),
             _ => Ok(bits(sheet)),
         };
@@ -110,7 +113,7 @@ impl Plates<'_> {
         &self,
         picture: &Picture,
         counts: &mut Map<String, Value>,
-    ) -> Result<Option<Vec<(Colour, Plane<bool>)>>> {
+    ) -> Result<Option<Vec<Inked>>> {
         let Some(stencil) = &self.look.stencil else { return Ok(None) };
         let place = self.look.print.sheet.place(picture.covered.size())?;
         let how = (&self.look.colours, self.look.knobs);
