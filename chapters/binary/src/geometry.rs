@@ -205,6 +205,7 @@ mod tests {
             material: ids(60),
             base_colour: Plane::filled(width, height, [0.5; 3]),
             roughness: Plane::filled(width, height, 1.0),
+            metallic: Plane::filled(width, height, 0.0),
             emissive: Plane::filled(width, height, [0.0; 3]),
         }
     }
