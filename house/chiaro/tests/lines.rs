@@ -1,11 +1,14 @@
 //! The lines of every animated file of the data, where it is there: silhouettes of closed meshes are
 //! closed, chains of others end on borders, S has its Euler characteristic, and slices that S reaches
-//! are those that the frames show.
+//! are those that the frames show. No line of them, nor of scenes in code, is drawn twice.
 
 use chiaro::{Options, Project};
 use chiaro_basis::Run;
 use chiaro_basis::math::{Quat, Vec3, vec3};
-use chiaro_lines::{CreaseRule, Crossing, Posed, Slice, Surface, View, track};
+use chiaro_lines::{
+    CreaseRule, Crossing, Film, LinesKnobs, Posed, Reel, Slice, Stroke, Surface, View, overlap,
+    track,
+};
 use chiaro_scene::{Pose, Projection};
 use std::path::{Path, PathBuf};
 
@@ -88,5 +91,39 @@ fn characteristic(event: &track::Event) -> i64 {
     match event.kind {
         track::EventKind::Saddle => 1 - i64::from(event.arcs),
         _ => 1,
+    }
+}
+
+/// The share of a scene's lines that is drawn twice.
+fn doubled(name: &str) -> f64 {
+    let run = Run::default();
+    let project = Project::open(name, Options::default(), &run).expect("it opens");
+    let poser = project.poser();
+    let frame = poser.frame(0.0, &project.playback);
+    let bounds = frame.bounds();
+    let away = vec3(1.0, 0.6, 2.0).normalize() * 3.6 * bounds.radius();
+    let projection = Projection::Perspective { fov_y: 0.6 };
+    let pose = Pose::look_at(bounds.centre() + away, bounds.centre(), Vec3::Y, projection);
+    let at = |_: usize| (frame.clone(), View::new(pose, (640, 480)));
+    let reel = Reel { scene: &project.scene, count: 1, at: &at };
+    let film = Film::of(&reel, &LinesKnobs::default(), &run).expect("nothing stops it");
+    let strokes = &film.frames[0].strokes;
+    overlap(strokes) / strokes.iter().map(Stroke::total).sum::<f64>().max(1.0)
+}
+
+#[test]
+fn no_line_is_drawn_twice() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/anim");
+    let mut found = Vec::new();
+    files(&data, &mut found);
+    if found.is_empty() {
+        println!("skipped for files: ../shared/data/anim is absent");
+    }
+    let files = found.iter().map(|f| f.to_string_lossy().into_owned());
+    let demos = ["bowl", "cactus", "cornell-box", "bumpy-torus"].map(|n| format!("demo:{n}"));
+    for name in demos.into_iter().chain(files) {
+        let share = doubled(&name);
+        println!("{name}: {share:.5}");
+        assert!(share < 0.002, "{name}: {share}");
     }
 }
