@@ -2,7 +2,7 @@
 //!
 //! 1. Lamps of no size are seen in closed form, each with a shadow ray.
 //! 2. A glossy pixel casts a few rays by its lobe, well spread over the pixel and over blocks of 4 x 4
-//!    pixels; as many shadow rays go to points of what shines. A ray that meets nothing sees the sky, blurred over the
+//!    pixels; as many shadow rays go to points of what shines, but from sharp lobes. A ray that meets nothing sees the sky, blurred over the
 //!    cone that the ray stands for.
 //! 3. What a ray meets is Lambertian. Where the ray's cone is wider than surfels are apart, it sends the light of the nearest
 //!    surfel; a narrower one sees it lit where it was met (`met`), so that mirrors are sharp.
@@ -69,7 +69,9 @@ struct Glossy {
     gloss: Gloss,
     /// The width of a pixel here, scene units.
     footprint: f32,
+    /// Rays by the lobe, and to what shines.
     rays: u32,
+    lights: u32,
     samples: Vec<Sample>,
     /// What is reflected of lamps.
     lamps: [f32; 3],
@@ -173,18 +175,21 @@ impl<T: Hierarchy> Caster<'_, '_, T> {
             true => MANY,
             false => 0,
         };
+        let lights = match lit.lights.glow.is_empty() || gloss.alpha < SHARP {
+            true => 0,
+            false => rays,
+        };
         let mut one = Glossy {
             at,
             gloss,
             footprint: buffer.pose.pixel_size(buffer.depth[pixel], buffer.size().1 as f32),
             rays,
+            lights,
             samples: Vec::with_capacity(2 * rays as usize),
             lamps: lit.lights.specular_of_lamps(lit.tracer, &at, &gloss),
         };
         self.cast(&mut one, pixel);
-        if !lit.lights.glow.is_empty() {
-            self.light(&mut one, pixel);
-        }
+        self.light(&mut one, pixel);
         Some(one)
     }
 
@@ -216,7 +221,7 @@ impl<T: Hierarchy> Caster<'_, '_, T> {
     /// Shadow rays to what shines.
     fn light(&self, one: &mut Glossy, pixel: Pixel) {
         let (lit, at) = (&self.scene.lit, one.at);
-        for k in 0..one.rays {
+        for k in 0..one.lights {
             let [u, v] = self.lattice.point(PLACE, k, pixel);
             let [choice, _] = self.lattice.point(CHOICE, k, pixel);
             let numbers = [choice, u, v];

@@ -5,7 +5,7 @@
 //!    distance: per area over the cosine of what is there, which is the same for all.
 //! 2. What is reflected or comes from the sky is the weighted mean times the lobe's whole reflectance, so that
 //!    even surroundings look even however few rays there are.
-//! 3. What shines is a sum, for light samples look for it too.
+//! 3. What shines is a sum, for light samples look for it too; sharp lobes, which cast none, take it into their mean.
 
 use super::{Glossy, Sample};
 use crate::pool::{SIDE, weight_at};
@@ -45,7 +45,11 @@ fn share(pixels: &[Option<&Glossy>; LANES], some: &[usize], block: &mut Block) {
     for sample in members().flat_map(|(_, p)| &p.samples) {
         let seen = group.seen(sample);
         if sample.by_lobe {
-            sums.mean.add(&seen.weights(&group, 0.0), sample.light);
+            let weights = seen.weights(&group, 0.0);
+            sums.mean.add(&weights, sample.light);
+            if sample.glow != [0.0; 3] {
+                sums.met.add(&weights, sample.glow);
+            }
         }
         if sample.glow != [0.0; 3] {
             sums.glow.add(&seen.weights(&group, sample.other), sample.glow);
@@ -57,9 +61,15 @@ fn share(pixels: &[Option<&Glossy>; LANES], some: &[usize], block: &mut Block) {
         block[i].1 = std::array::from_fn(|c| {
             let of = |[a, b]: [f32; 2]| gloss.f0[c] * a + gloss.f90 * b;
             let weight = of(sums.mean.weight.map(|w| w[k]));
-            let mean = of(sums.mean.light[c].map(|w| w[k])) / weight;
-            let reflected = if weight > 0.0 { whole[c] * mean } else { 0.0 };
-            reflected + of(sums.glow.light[c].map(|w| w[k]))
+            let mean = |sum: &Sum| match weight > 0.0 {
+                true => whole[c] * of(sum.light[c].map(|w| w[k])) / weight,
+                false => 0.0,
+            };
+            let glow = match pixel.lights > 0 {
+                true => of(sums.glow.light[c].map(|w| w[k])),
+                false => mean(&sums.met),
+            };
+            mean(&sums.mean) + glow
         });
     }
 }
@@ -74,7 +84,11 @@ struct Sum {
 
 #[derive(Default)]
 struct Sums {
+    /// What is reflected or comes from the sky.
     mean: Sum,
+    /// What shines, as rays by lobes met it.
+    met: Sum,
+    /// What shines, as both strategies found it.
     glow: Sum,
 }
 
@@ -102,6 +116,7 @@ struct Group {
     side: [Lanes; 3],
     eye: [Lanes; 3],
     rays: Lanes,
+    lights: Lanes,
     /// alpha squared, n.v, L(n.v).
     square: Lanes,
     cosine: Lanes,
@@ -126,6 +141,7 @@ impl Group {
             self.eye[c][k] = g.to_eye[c];
         }
         self.rays[k] = pixel.rays as f32;
+        self.lights[k] = pixel.lights as f32;
         self.square[k] = g.alpha * g.alpha;
         self.cosine[k] = g.normal.dot(g.to_eye);
         self.slope[k] = slope(self.square[k], self.cosine[k]);
@@ -179,8 +195,11 @@ impl Group {
 impl Seen {
     /// What a sample weighs for each pixel, if `other` is the density with which light samples find it.
     fn weights(&self, group: &Group, other: f32) -> [Lanes; 2] {
-        let looks = |k: usize| if self.density[k] > 0.0 { self.density[k] + other } else { 0.0 };
-        let found: f32 = (0..LANES).map(|k| group.rays[k] * looks(k)).sum();
+        let looks = |k: usize| match self.density[k] > 0.0 {
+            true => group.rays[k] * self.density[k] + group.lights[k] * other,
+            false => 0.0,
+        };
+        let found: f32 = (0..LANES).map(looks).sum();
         let scale = if found > 0.0 && found.is_finite() { 1.0 / found } else { 0.0 };
         self.value.map(|lanes| lanes.map(|v| v * scale))
     }
@@ -215,7 +234,15 @@ mod tests {
             emission: [0.0; 3],
             offset: 0.0,
         };
-        Glossy { at, gloss, footprint: 0.1, rays: 4, samples: Vec::new(), lamps: [0.0; 3] }
+        Glossy {
+            at,
+            gloss,
+            footprint: 0.1,
+            rays: 4,
+            lights: 0,
+            samples: Vec::new(),
+            lamps: [0.0; 3],
+        }
     }
 
     #[test]
