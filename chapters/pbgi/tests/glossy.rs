@@ -70,7 +70,7 @@ fn found(
 fn agree(
     (planes, buffer): ([Plane<[f32; 3]>; 2], GBuffer),
     exact: impl Fn(Vec3, Vec3) -> Option<[f32; 3]>,
-    tolerance: f32,
+    (tolerance, floor): (f32, f32),
 ) {
     let mut count = 0;
     for (method, plane) in planes.iter().enumerate() {
@@ -83,7 +83,7 @@ fn agree(
             let Some(truth) = exact(p, to_eye) else { continue };
             for c in 0..3 {
                 let apart = (own[c] - truth[c]).abs();
-                let most = truth[c].max(0.05);
+                let most = truth[c].max(floor);
                 assert!(apart <= tolerance * most, "{method} {p}: {own:?} {truth:?}");
             }
             count += 1;
@@ -107,7 +107,8 @@ fn a_mirror_shows_the_lamp_where_geometry_says() {
         let beside = (x.abs() - 1.0).abs() < 0.15;
         (!beside && !far).then_some(if x.abs() < 1.0 { [5.0, 3.0, 1.0] } else { [0.0; 3] })
     };
-    agree(found(&file, metal(0.0), Lights::default, 2), lamp, 0.1);
+    // The least rough lobe still sends some 0.3 % of its light past an edge 0.05 radians away.
+    agree(found(&file, metal(0.0), Lights::default, 2), lamp, (0.1, 0.3));
 }
 
 #[test]
@@ -122,7 +123,7 @@ fn a_mirror_shows_the_sky_on_its_side() {
         let known = d.x.abs() > 0.15;
         known.then_some(if d.x > 0.0 { [1.0, 0.5, 0.0] } else { [0.0, 0.5, 1.0] })
     };
-    agree(found(FLOOR, metal(0.0), halves, 2), side, 0.05);
+    agree(found(FLOOR, metal(0.0), halves, 2), side, (0.05, 0.05));
 }
 
 /// Head-on formulas of the model, written out once more.
@@ -143,7 +144,7 @@ fn a_rough_metal_under_a_point_light_is_the_model_s_closed_form() {
             let e = d * shadowed * l.y * 10.0 / (place - p).length_squared();
             (e > 0.01).then_some([e; 3])
         };
-        agree(found(FLOOR, metal(roughness), light, 2), model, 0.02);
+        agree(found(FLOOR, metal(roughness), light, 2), model, (0.02, 0.05));
     }
 }
 
@@ -168,6 +169,6 @@ fn even_light_is_reflected_as_much_as_a_lobe_reflects_and_threads_do_not_matter(
             let e = lobe.reflectance()[0];
             Some([e, 0.5 * e, 2.0 * e])
         };
-        agree(one, whole, 0.06);
+        agree(one, whole, (0.06, 0.05));
     }
 }

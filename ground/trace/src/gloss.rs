@@ -10,7 +10,7 @@
 //! s is [`chiaro_scene::Material::specular`]. E is what a dielectric coat reflects in all, F averaged
 //! over its lobe: appendix B has 1 - F in its place, and leaves the choice open; so diffuse light is
 //! irradiance times a colour, and a white dielectric reflects all that it receives. A metal loses what
-//! scatters more than once between its facets (31 % at roughness 1).
+//! scatters more than once between its facets (head-on ln 2, 69 %, at roughness 1).
 //!
 //! Directions are drawn by the normals that are visible (Heitz 2018), so that a sample weighs F G2 / G1, at most
 //! 1. A shading normal that would reflect the eye's ray into the surface is turned towards the face's.
@@ -240,8 +240,9 @@ mod tests {
             let density = integral(|l| g.density(l));
             assert!((density - above / n as f32).abs() < 0.01, "{roughness}: {density}");
         }
-        // Published for head-on light on white GGX at roughness 1 with the correlated Smith term: some 0.7.
-        assert!((gloss(1.0, 1.0, 0.999).reflectance()[0] - 0.69).abs() < 0.03);
+        // Head-on at alpha 1, D is 1 / pi and V is 1 / (2 (1 + n.l)): the integral is 1 - ln 2.
+        let head_on = gloss(1.0, 1.0, 0.9999).reflectance()[0];
+        assert!((head_on - (1.0 - std::f32::consts::LN_2)).abs() < 0.005, "{head_on}");
     }
 
     #[test]
