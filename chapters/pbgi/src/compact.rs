@@ -354,7 +354,9 @@ mod tests {
             };
             for side in 0..2 {
                 let (a, b) = (light(&a, side), light(&b, side));
-                assert!((a - b).abs().max_element() <= 0.03 * a.element_sum(), "{a} {b}");
+                // Of second sides a block may have one, whose rounding nothing makes up for.
+                let most = [0.03, 0.06][side] * a.element_sum();
+                assert!((a - b).abs().max_element() <= most, "{a} {b}");
             }
         }
         let bytes = coded.store.bytes() - coded.store.format.book.size();

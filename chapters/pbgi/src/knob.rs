@@ -91,7 +91,7 @@ knobs! {
         side_rays: u32 = 8, Count { min: 0, max: 64 }, "", "rays", "rays by which dead sides are found; 0: all sides live";
         flat_nodes: bool = true, Switch, "", "", "whether flat nodes use the exact cosine";
         near_field: bool = true, Switch, "", "", "whether the near field is rays on the triangles";
-        glossy: bool = true, Switch, "", "", "whether what is seen is glossy as its material says (metal, roughness); else all is matt";
+        glossy: bool = false, Switch, "", "", "whether what is seen is glossy as its material says (metal, roughness), not clean in mirrors yet; else all is matt";
         occlusion: f32 = 0.6, Number { min: 0.001, max: 1000.0 }, "", "R", "what is farther does not occlude (layer ao)";
         samples: u32 = 64, Count { min: 1, max: 1000000 }, "", "paths", "paths a pixel of the reference (--method path)";
         sky: OwnSky = OwnSky::Auto, Choice(OwnSky::WORDS), "", "", "auto: a clear sky outdoors where a sun is the only light; none: the scene's own light alone";

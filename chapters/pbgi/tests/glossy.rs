@@ -46,7 +46,7 @@ fn found(
     let eye = Projection::Perspective { fov_y: 0.8 };
     let pose = Pose::look_at(vec3(0.0, 1.5, 3.0), Vec3::ZERO, Vec3::Y, eye);
     let buffer = GBuffer::trace(&tracer, &surfaces, &pose, SIZE, &run).unwrap();
-    let knobs = LightKnobs { surfels: 500, bounces: 0, ..LightKnobs::default() };
+    let knobs = LightKnobs { surfels: 500, bounces: 0, glossy: true, ..LightKnobs::default() };
     let sites = sites(&scene, &frame, 500);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let points = pool.install(|| {
