@@ -61,6 +61,22 @@ struct Pack {
     light: [Lanes; 4],
 }
 
+impl Pack {
+    /// A texel from a receiver (its place, normal and side): the way to it, and the weight of its light.
+    #[inline(always)]
+    fn seen(&self, k: usize, [p, n, s]: &[Vec3; 3]) -> ([f32; 3], f32) {
+        let [px, py, pz] = [self.place[0][k], self.place[1][k], self.place[2][k]];
+        let (x, y, z) = (px - p.x, py - p.y, pz - p.z);
+        let above = x * s.x + y * s.y + z * s.z > 0.0;
+        let cosine = (x * n.x + y * n.y + z * n.z).max(0.0);
+        let cosine = if above { cosine } else { 0.0 };
+        let slant = [self.slant[0][k], self.slant[1][k], self.slant[2][k]];
+        let facing = (x * slant[0] + y * slant[1] + z * slant[2]).max(0.0);
+        let square = x * x + y * y + z * z;
+        ([x, y, z], cosine * facing / (square * square).max(f32::MIN_POSITIVE))
+    }
+}
+
 /// The least cosine at which a piece is slanted.
 const LEAST_COSINE: f32 = 0.2;
 
@@ -146,23 +162,21 @@ impl Field {
     /// (d / |v|)^2 (n.v / |v|) / (n.w).
     #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
     pub(crate) fn irradiance(&self, at: &Vertex) -> Light {
-        let (p, n, s) = (self.scale * (at.position - self.ball.centre), at.normal, at.side);
+        let receiver = self.receiver(at);
         let mut sum = [[0.0f32; LANES]; 4];
         for &index in &self.lit {
             let t = &self.packs[index as usize];
             for k in 0..LANES {
-                let [px, py, pz] = [t.place[0][k], t.place[1][k], t.place[2][k]];
-                let (x, y, z) = (px - p.x, py - p.y, pz - p.z);
-                let above = x * s.x + y * s.y + z * s.z > 0.0;
-                let cosine = (x * n.x + y * n.y + z * n.z).max(0.0);
-                let cosine = if above { cosine } else { 0.0 };
-                let facing = (x * t.slant[0][k] + y * t.slant[1][k] + z * t.slant[2][k]).max(0.0);
-                let square = x * x + y * y + z * z;
-                let weight = cosine * facing / (square * square).max(f32::MIN_POSITIVE);
+                let (_, weight) = t.seen(k, &receiver);
                 (0..4).for_each(|c| sum[c][k] += weight * t.light[c][k]);
             }
         }
         sum.map(|lanes| lanes.iter().sum())
+    }
+
+    /// Where a receiver lies in the field, in the field's scale, its normal and its side.
+    fn receiver(&self, at: &Vertex) -> [Vec3; 3] {
+        [self.scale * (at.position - self.ball.centre), at.normal, at.side]
     }
 
     /// Far light along a ray: of the texel whose sphere it meets in that texel. The search begins where the ray

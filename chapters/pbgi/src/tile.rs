@@ -22,7 +22,7 @@ use crate::band::{Band, Gathered};
 use crate::cluster::{Pixel, clusters};
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::Splat;
-use crate::field::{Ball, Field, Gathering, Light};
+use crate::field::{Ball, Field, Gathering};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::{Indirect, Prepared, Wanted};
 use crate::opening::Dome;
@@ -314,17 +314,25 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
                 }
             }
         }
-        let mut nodes = Nodes { picture: self, above, kept: Vec::new() };
-        let far: Vec<Light> = receivers
-            .iter()
-            .zip(&mixes)
-            .map(|(r, mix)| nodes.interpolated(r).unwrap_or_else(|| mix.irradiance(&r.at)))
-            .collect();
+        let far = self.far(above, &receivers, &mixes, |mix, at| mix.irradiance(at));
         if let Some(dome) = &self.dome {
-            let opened = receivers.iter_mut().zip(&mixes);
-            opened.for_each(|(r, mix)| r.opening = mix.opening(&r.at, dome));
+            let open = self.far(above, &receivers, &mixes, |mix, at| mix.opening(at, dome));
+            receivers.iter_mut().zip(open).for_each(|(r, open)| r.opening = open);
         }
         receivers.into_iter().zip(far).collect()
+    }
+
+    /// What receivers have of their far fields: on planes from every fourth pixel, elsewhere by themselves.
+    fn far<const N: usize>(
+        &self,
+        above: &Above,
+        receivers: &[Receiver],
+        mixes: &[Mix],
+        of: impl Fn(&Mix, &Vertex) -> [f32; N],
+    ) -> Vec<[f32; N]> {
+        let mut nodes = Nodes { picture: self, above, of: &of, kept: Vec::new() };
+        let both = receivers.iter().zip(mixes);
+        both.map(|(r, mix)| nodes.interpolated(r).unwrap_or_else(|| of(mix, &r.at))).collect()
     }
 
     /// The fields that a pixel mixes, and their shares: those of the four tiles or quarters whose
@@ -411,16 +419,17 @@ fn wanting(receivers: &[Receiver], corner: Pixel) -> Vec<usize> {
     (0..receivers.len()).filter(|&i| is_near(&receivers[i])).collect()
 }
 
-/// Far light at every fourth pixel of a tile, as far as it was asked for.
-struct Nodes<'a, 'b, 'c, T: Hierarchy> {
+/// What every fourth pixel of a tile has of its far fields, as far as it was asked for.
+struct Nodes<'a, 'b, 'c, T: Hierarchy, F, const N: usize> {
     picture: &'a Picture<'b, 'c, T>,
     above: &'a Above<'a>,
-    kept: Vec<(Pixel, Light)>,
+    of: &'a F,
+    kept: Vec<(Pixel, [f32; N])>,
 }
 
-impl<T: Hierarchy> Nodes<'_, '_, '_, T> {
-    /// Far light at a receiver from the four nodes around it, if all are on its plane.
-    fn interpolated(&mut self, receiver: &Receiver) -> Option<Light> {
+impl<T: Hierarchy, F: Fn(&Mix, &Vertex) -> [f32; N], const N: usize> Nodes<'_, '_, '_, T, F, N> {
+    /// What a receiver has by the four nodes around it, if all are on its plane.
+    fn interpolated(&mut self, receiver: &Receiver) -> Option<[f32; N]> {
         let (width, height) = self.picture.buffer.size();
         let (x, y) = receiver.pixel;
         let (x0, y0) = (x / NODE * NODE, y / NODE * NODE);
@@ -435,10 +444,10 @@ impl<T: Hierarchy> Nodes<'_, '_, '_, T> {
         };
         let (u, v) = (share(x, x0, x1), share(y, y0, y1));
         let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-        let mut sum = [0.0; 4];
+        let mut sum = [0.0; N];
         for (corner, weight) in corners.into_iter().zip(weights).filter(|(_, w)| *w > 0.0) {
-            let light = self.at(corner);
-            (0..4).for_each(|c| sum[c] += weight * light[c]);
+            let far = self.at(corner);
+            (0..N).for_each(|c| sum[c] += weight * far[c]);
         }
         Some(sum)
     }
@@ -455,14 +464,14 @@ impl<T: Hierarchy> Nodes<'_, '_, '_, T> {
                 <= receiver.footprint
     }
 
-    fn at(&mut self, node: Pixel) -> Light {
-        if let Some((_, light)) = self.kept.iter().find(|(p, _)| *p == node) {
-            return *light;
+    fn at(&mut self, node: Pixel) -> [f32; N] {
+        if let Some((_, far)) = self.kept.iter().find(|(p, _)| *p == node) {
+            return *far;
         }
         let picture = self.picture;
         let at = Vertex::of_pixel(picture.scene.lit.tracer, picture.buffer, node);
-        let light = picture.mix(self.above, node, at.position).irradiance(&at);
-        self.kept.push((node, light));
-        light
+        let far = (self.of)(&picture.mix(self.above, node, at.position), &at);
+        self.kept.push((node, far));
+        far
     }
 }

@@ -35,6 +35,17 @@ pub(super) struct Looking<'s, 'a, 'b, T: Hierarchy> {
     last: Option<(Vec3, Vec3, [f32; 3])>,
 }
 
+/// What a ray met.
+struct Met<'h> {
+    hit: &'h Hit,
+    at: Vertex,
+    /// How wide the ray's cone is there, scene units.
+    footprint: f32,
+    /// Where the ray went, and its number among those of its pixel.
+    direction: Vec3,
+    index: u32,
+}
+
 impl<'a, 'b, T: Hierarchy> Seer<'a, 'b, T> {
     pub(super) fn new(scene: &'a Prepared<'b, T>) -> Self {
         let lights = scene.lit.lights;
@@ -71,32 +82,25 @@ impl<T: Hierarchy> Looking<'_, '_, '_, T> {
         let dark = scene.knobs.bounces == 0 || at.albedo == [0.0; 3];
         let light = match dark {
             true => [0.0; 3],
-            false => self.reflected(hit, &at, footprint, direction, index),
+            false => self.reflected(&Met { hit, at, footprint, direction, index }),
         };
         (at.position, light, at.emission)
     }
 
     /// The light that is reflected there.
-    fn reflected(
-        &mut self,
-        hit: &Hit,
-        at: &Vertex,
-        footprint: f32,
-        direction: Vec3,
-        index: u32,
-    ) -> [f32; 3] {
-        let scene = self.seer.scene;
+    fn reflected(&mut self, met: &Met) -> [f32; 3] {
+        let (scene, at) = (self.seer.scene, &met.at);
         let grid = &scene.reflected.grid;
         let nearest = grid.nearest(&scene.surfels, at.position, at.side);
         let surfel = nearest.map(|(k, side)| (&scene.surfels.all[k as usize], side));
         let share = surfel.map_or(0.0, |(s, _)| {
-            ((footprint / s.area.sqrt() - NARROW) / (WIDE - NARROW)).clamp(0.0, 1.0)
+            ((met.footprint / s.area.sqrt() - NARROW) / (WIDE - NARROW)).clamp(0.0, 1.0)
         });
         let stored = surfel.map_or([0.0; 3], |(s, side)| textured(s, side, at));
         if share >= 1.0 {
             return stored;
         }
-        let mut e = self.irradiance(hit, at, footprint, direction, index);
+        let mut e = self.irradiance(met);
         if let (Some((k, side)), false) = (nearest, scene.reflected.irradiance.is_empty()) {
             let more = scene.reflected.irradiance[k as usize][side];
             (0..3).for_each(|c| e[c] += more[c]);
@@ -106,20 +110,13 @@ impl<T: Hierarchy> Looking<'_, '_, '_, T> {
     }
 
     /// Direct irradiance there.
-    fn irradiance(
-        &mut self,
-        hit: &Hit,
-        at: &Vertex,
-        footprint: f32,
-        direction: Vec3,
-        index: u32,
-    ) -> [f32; 3] {
-        let lit = &self.seer.scene.lit;
+    fn irradiance(&mut self, met: &Met) -> [f32; 3] {
+        let (lit, at) = (&self.seer.scene.lit, &met.at);
         if !self.is_mirror {
-            return near::lit(lit, hit, direction, &self.sequence, index).1;
+            return near::lit(lit, met.hit, met.direction, &self.sequence, met.index).1;
         }
         if let Some((place, side, e)) = self.last
-            && place.distance(at.position) < footprint
+            && place.distance(at.position) < met.footprint
             && side.dot(at.side) > 0.98
         {
             return e;
