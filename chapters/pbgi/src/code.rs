@@ -16,9 +16,10 @@
 //! only what its mean normal does not tell ([`harmonic::expected`]) is coded: it is nothing where the
 //! node is flat, and always nothing in bands 0 and 1.
 
-use crate::bits::{float16, from_float16};
+use crate::bits::float16;
+pub use crate::decode::Decoded;
 use crate::harmonic::{self, Sh};
-use crate::payload::{Exact, Sent};
+use crate::payload::Exact;
 use crate::recipe::word_bytes;
 pub use crate::recipe::{Gains, Recipe, Words};
 use chiaro_basis::math::{Mat3, Vec3};
@@ -28,8 +29,8 @@ use chiaro_solve::{KMeans, Nearest, Scratch, Start, k_means};
 use std::sync::OnceLock;
 
 /// Numbers of a node's area, and of its light.
-const AREA: usize = 9;
-const LIGHT: usize = 3 * AREA;
+pub(crate) const AREA: usize = 9;
+pub(crate) const LIGHT: usize = 3 * AREA;
 /// Rounds of k-means.
 const ROUNDS: usize = 10;
 /// How much brighter than all training nodes others may be.
@@ -61,41 +62,14 @@ pub(crate) fn both(sums: &Exact, area: f32) -> f32 {
     if area > 0.0 { (sides / area - 1.0).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Lobes in the frame of their node.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Decoded {
-    /// Turns directions of the world into the lobes' frame, where they are turned.
-    pub local_from_world: Option<Mat3>,
-    /// The sums.
-    pub lobes: Exact,
-}
-
-impl Decoded {
-    fn basis(&self, direction: Vec3) -> Sh {
-        harmonic::basis(self.local_from_world.map_or(direction, |m| m * direction))
-    }
-
-    /// What is seen and sent in a direction of the world, and in the opposite one.
-    pub fn both(&self, direction: Vec3) -> [Sent; 2] {
-        self.lobes.sent_both(&self.basis(direction))
-    }
-
-    /// What is seen and sent in a direction of the world.
-    pub fn sent(&self, direction: Vec3) -> Sent {
-        let basis = self.basis(direction);
-        Sent {
-            area: harmonic::evaluate(&self.lobes.area, &basis),
-            light: [0, 1, 2].map(|c| harmonic::evaluate(&self.lobes.light[c], &basis)),
-        }
-    }
-}
-
 /// The words of one stage. Numbers are the upper halves of floats: what rounding takes is left for the
 /// next stage.
 #[derive(Clone, Debug)]
 pub struct Table {
     numbers: Vec<u16>,
     dim: usize,
+    /// Words.
+    len: usize,
     /// Made when a word is first searched for.
     index: OnceLock<Nearest>,
 }
@@ -108,7 +82,8 @@ impl Table {
 
     /// Words of `dim` upper halves.
     pub(crate) fn of_halves(numbers: Vec<u16>, dim: usize) -> Self {
-        Self { numbers, dim, index: OnceLock::new() }
+        let len = numbers.len() / dim.max(1);
+        Self { numbers, dim, len, index: OnceLock::new() }
     }
 
     /// All words, one after the other.
@@ -126,17 +101,24 @@ impl Table {
     }
 
     fn word(&self, index: usize) -> &[u16] {
-        let at = index.min(self.len().saturating_sub(1)) * self.dim;
+        let at = index.min(self.len.saturating_sub(1)) * self.dim;
         self.numbers.get(at..at + self.dim).unwrap_or(&[])
     }
 
     /// Adds a word to a sum that is as long or longer.
     #[inline]
-    fn add<const N: usize>(&self, index: usize, sum: &mut [f32; N]) {
+    pub(crate) fn add<const N: usize>(&self, index: usize, sum: &mut [f32; N]) {
         let word = self.word(index);
         match word.first_chunk::<N>() {
-            // Of a length that is known, so that the compiler can use vectors.
-            Some(word) => sum.iter_mut().zip(word).for_each(|(s, w)| *s += whole(*w)),
+            Some(word) => {
+                // Eight at a time, so that the compiler uses vectors.
+                let ((sums, last), (words, rest)) =
+                    (sum.as_chunks_mut::<8>(), word.as_chunks::<8>());
+                for (sums, words) in sums.iter_mut().zip(words) {
+                    (0..8).for_each(|k| sums[k] += whole(words[k]));
+                }
+                last.iter_mut().zip(rest).for_each(|(s, w)| *s += whole(*w));
+            }
             None => sum.iter_mut().zip(word).for_each(|(s, w)| *s += whole(*w)),
         }
     }
@@ -148,7 +130,7 @@ impl Table {
 
     /// Words.
     pub fn len(&self) -> usize {
-        self.numbers.len() / self.dim
+        self.len
     }
 
     /// Whether there is no word.
@@ -226,43 +208,6 @@ impl Book {
         let light = &mut parts.light[..self.recipe.gains.dim()];
         staged(&self.light, &self.recipe.light, light, code, of_light, scratch);
         staged(&self.area, &self.recipe.area, &mut parts.area, code, of_area, scratch);
-    }
-
-    /// The lobes of a code.
-    pub fn decode(&self, code: &[u8], (area, axis, both): (f32, Vec3, f32)) -> Decoded {
-        let recipe = &self.recipe;
-        let gain =
-            |i: usize| from_float16(u16::from_le_bytes([code[2 * i], code[2 * i + 1]]), self.top);
-        let (gains, mut rest) = match recipe.gains {
-            Gains::None => ([1.0; 3], code),
-            Gains::One => ([gain(0); 3], &code[2..]),
-            Gains::Colours | Gains::Shape => ([gain(0), gain(1), gain(2)], &code[6..]),
-        };
-        let mut next = |words: usize| {
-            let (word, after) = rest.split_at(word_bytes(words));
-            rest = after;
-            word.iter().rev().fold(0, |n, b| n << 8 | usize::from(*b))
-        };
-        let mut light = [0.0f32; LIGHT];
-        for (table, words) in self.light.iter().zip(&recipe.light) {
-            table.add(next(*words), &mut light);
-        }
-        let frame = recipe.turned.then(|| frame(axis));
-        let mut disc = expected(recipe, axis, both, frame.as_ref());
-        for (table, words) in self.area.iter().zip(&recipe.area) {
-            table.add(next(*words), &mut disc);
-        }
-        let scale = if recipe.by_area { area } else { 1.0 };
-        let stride = if recipe.gains == Gains::Shape { 0 } else { AREA };
-        let lobes = Exact {
-            area: disc.map(|a| a * scale),
-            light: std::array::from_fn(|c| {
-                let (own, gain) = (&light[stride * c..stride * c + AREA], gains[c] * scale);
-                std::array::from_fn(|i| own[i] * gain)
-            }),
-        };
-        let local_from_world = frame.map(|f| f.transpose());
-        Decoded { local_from_world, lobes }
     }
 
     /// Squares of a node's error and of its light, over all directions and colours.
@@ -407,7 +352,12 @@ impl Parts {
 }
 
 /// What is known of a node's lobe of area over its area; nothing where sums are coded as they are.
-fn expected(recipe: &Recipe, axis: Vec3, both: f32, world_from_local: Option<&Mat3>) -> Sh {
+pub(crate) fn expected(
+    recipe: &Recipe,
+    axis: Vec3,
+    both: f32,
+    world_from_local: Option<&Mat3>,
+) -> Sh {
     if !recipe.by_area {
         return [0.0; AREA];
     }
@@ -429,7 +379,7 @@ fn shape(colours: &[Sh; 3]) -> ([f32; LIGHT], [f32; 3]) {
 }
 
 /// A frame whose z axis is a direction, without branches (Duff et al. 2017); the world's where there is none.
-fn frame(axis: Vec3) -> Mat3 {
+pub(crate) fn frame(axis: Vec3) -> Mat3 {
     let Some(n) = axis.try_normalize() else { return Mat3::IDENTITY };
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
@@ -468,12 +418,12 @@ pub(crate) fn turned(sh: &Sh, world_from_local: &Mat3) -> Sh {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use chiaro_basis::random::unit;
 
     /// Nodes of a few discs each.
-    fn nodes(count: u64) -> Vec<(Exact, f32, Vec3)> {
+    pub(crate) fn nodes(count: u64) -> Vec<(Exact, f32, Vec3)> {
         let v = |k: u64, i: u64| {
             Vec3::new(unit(k, i) - 0.5, unit(k + 1, i) - 0.5, unit(k + 2, i) - 0.5)
         };
@@ -502,7 +452,7 @@ mod tests {
         (0..count).map(node).collect()
     }
 
-    fn lobes(all: &[(Exact, f32, Vec3)]) -> Vec<Lobes<'_>> {
+    pub(crate) fn lobes(all: &[(Exact, f32, Vec3)]) -> Vec<Lobes<'_>> {
         all.iter().map(|(sums, area, axis)| Lobes::new(sums, *area, *axis)).collect()
     }
 

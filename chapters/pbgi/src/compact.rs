@@ -21,6 +21,7 @@ use crate::block::{self, BLOCK_BYTES, Block, SECOND};
 use crate::code::{self, Book, Decoded, Lobes, Pen};
 use crate::curve::Cube;
 use crate::packed::{BLOCK, FAN, PART, PART_LEVELS, Places, Record, Spheres, Stored, Sums, counts};
+use crate::payload::Sent;
 use crate::tree::Node;
 use chiaro_basis::math::{Vec3, vec3};
 use std::ops::Range;
@@ -28,6 +29,8 @@ use std::sync::Arc;
 
 /// Bytes of a node before its code.
 const HEAD: usize = 18;
+/// Where in it the share of two living sides is.
+const BOTH: usize = 17;
 /// Blocks of a part.
 const PART_BLOCKS: usize = PART / BLOCK;
 
@@ -129,12 +132,11 @@ impl Format {
         (centre, from_float16(u16_at(bytes, 6), self.cube.side))
     }
 
-    fn decode(&self, bytes: &[u8]) -> (Node, Decoded) {
+    fn node(&self, bytes: &[u8]) -> Node {
         let (centre, radius, area) = self.ball(bytes);
         let mean = vec3(signed(bytes[10]), signed(bytes[11]), signed(bytes[12])) * (radius / 127.0);
         let axis = axis_of(u32_at(bytes, 13));
-        let node = Node { centre, radius, mean: centre + mean, area, axis, ..Node::default() };
-        (node, self.book.decode(&bytes[HEAD..], (area, axis, share(bytes[17]))))
+        Node { centre, radius, mean: centre + mean, area, axis, ..Node::default() }
     }
 
     /// A block's bytes, and its second sides'. Its records lie in its node's sphere, as it is decoded.
@@ -271,8 +273,22 @@ impl Stored for Compact {
         spheres
     }
 
-    fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
-        self.format.decode(self.node_at(level, index))
+    fn node(&self, level: usize, index: usize) -> Node {
+        self.format.node(self.node_at(level, index))
+    }
+
+    fn lobes(&self, level: usize, index: usize, node: &Node) -> Decoded {
+        let bytes = self.node_at(level, index);
+        self.format.book.decode(&bytes[HEAD..], (node.area, node.axis, share(bytes[BOTH])))
+    }
+
+    fn along_axis(&self, level: usize, index: usize, node: &Node) -> [Sent; 2] {
+        let bytes = self.node_at(level, index);
+        self.format.book.along_axis(&bytes[HEAD..], (node.area, node.axis, share(bytes[BOTH])))
+    }
+
+    fn is_one_sided(&self, level: usize, index: usize) -> bool {
+        self.node_at(level, index)[BOTH] == 0
     }
 
     fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record)) {
@@ -322,8 +338,8 @@ mod tests {
         assert!((exact.leaf_radius / coded.leaf_radius - 1.0).abs() < 1e-6);
         for level in 0..exact.store.counts().len() {
             for index in 0..exact.store.counts()[level] {
-                let (a, _) = exact.store.node(level, index);
-                let (b, _) = coded.store.node(level, index);
+                let a = exact.store.node(level, index);
+                let b = coded.store.node(level, index);
                 assert!(a.centre.distance(b.centre) + a.radius <= b.radius * 1.0001);
                 assert!(b.radius < 1.01 * a.radius + 1e-5);
                 assert!(a.mean.distance(b.mean) < 0.02 * a.radius + 1e-5);
@@ -336,7 +352,7 @@ mod tests {
             exact.store.records(block, |_| u32::MAX, |r| a.push(*r));
             coded.store.records(block, |_| u32::MAX, |r| b.push(*r));
             assert_eq!(a.len(), b.len());
-            let radius = exact.store.node(0, block).0.radius;
+            let radius = exact.store.node(0, block).radius;
             for (a, b) in a.iter().zip(&b) {
                 assert!(a.position.distance(b.position) < 0.06 * radius);
                 assert!(a.normal.dot(b.normal) > 0.99 && a.alive == b.alive);

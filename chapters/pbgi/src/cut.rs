@@ -173,7 +173,13 @@ impl Chooser {
         if small && clear { Verdict::Splat } else { Verdict::Open }
     }
 
-    /// What is seen of a node that sends this in a direction, and in one and its opposite.
+    /// Whether a flat node shows its back.
+    pub(crate) fn behind(&self, node: &Node) -> bool {
+        let away = node.axis.dot(node.mean - self.from) >= 0.0;
+        away && self.flat && node.axis.length_squared() >= FLAT[1] * FLAT[1]
+    }
+
+    /// What is seen of a node that sends this in a direction, and along its axis and against it.
     pub(crate) fn node(
         &self,
         node: &Node,

@@ -71,6 +71,14 @@ pub fn expected(mean_normal: Vec3, both: f32) -> Sh {
     std::array::from_fn(|i| lobe[i] * bands[[0, 1, 1, 1, 2, 2, 2, 2, 2][i]])
 }
 
+/// That lobe along the mean normal, of which the length is told, and against it.
+pub fn expected_along(length: f32, both: f32) -> [f32; 2] {
+    let length = length.min(1.0);
+    let even = (1.0 + both) * (0.25 + 0.3125 * length * length * length);
+    let odd = 0.5 * (1.0 - both) * length;
+    [even + odd, even - odd]
+}
+
 /// The band-limited disc straight ahead and straight behind, over its area.
 const AHEAD: f32 = 1.0625;
 const BEHIND: f32 = 0.0625;

@@ -45,6 +45,7 @@ mod crevice;
 pub mod cube;
 pub mod curve;
 pub mod cut;
+mod decode;
 mod field;
 pub mod file;
 mod focus;

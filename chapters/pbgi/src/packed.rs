@@ -13,10 +13,11 @@
 //! same cuts. Guaranteed: the same bits for any number of threads.
 
 use crate::bunch::Bunch;
-use crate::code::Decoded;
+use crate::code::{self, Decoded};
 use crate::cut::{Chooser, Splat, Verdict};
+use crate::harmonic::basis;
 use crate::hierarchy::Hierarchy;
-use crate::payload::Exact;
+use crate::payload::{Exact, Sent};
 use crate::surfel::Surfel;
 use crate::tree::Node;
 use chiaro_basis::math::Vec3;
@@ -88,8 +89,14 @@ pub trait Stored: Sync + Send {
     fn counts(&self) -> &[usize];
     /// The bounding spheres of nodes that share a parent.
     fn spheres(&self, level: usize, nodes: Range<usize>) -> Spheres;
-    /// A node, and its lobes.
-    fn node(&self, level: usize, index: usize) -> (Node, Decoded);
+    /// A node.
+    fn node(&self, level: usize, index: usize) -> Node;
+    /// Its lobes.
+    fn lobes(&self, level: usize, index: usize, node: &Node) -> Decoded;
+    /// What a flat node sends along its mean normal and against it.
+    fn along_axis(&self, level: usize, index: usize, node: &Node) -> [Sent; 2];
+    /// Whether nothing of a node's area lives on its back.
+    fn is_one_sided(&self, level: usize, index: usize) -> bool;
     /// Calls `each` with the records of a block that `wanted` names in a mask of bits.
     fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record));
 }
@@ -151,8 +158,12 @@ impl<S: Stored> Hierarchy for Packed<S> {
                 match verdict {
                     Verdict::Leave => {}
                     Verdict::Splat => {
-                        let (node, lobes) = self.store.node(level, index);
-                        let (sent, both) = (|d| lobes.sent(d), |d| lobes.both(d));
+                        let node = self.store.node(level, index);
+                        if chooser.behind(&node) && self.store.is_one_sided(level, index) {
+                            continue;
+                        }
+                        let sent = |d| self.store.lobes(level, index, &node).sent(d);
+                        let both = |_| self.store.along_axis(level, index, &node);
                         if let Some(splat) = chooser.node(&node, sent, both) {
                             bunch.add_node(&splat, (node.centre, node.radius), splats);
                         }
@@ -329,9 +340,21 @@ impl Stored for Floats {
         spheres
     }
 
-    fn node(&self, level: usize, index: usize) -> (Node, Decoded) {
-        let (node, lobes) = self.levels[level][index];
-        (node, Decoded { local_from_world: None, lobes })
+    fn node(&self, level: usize, index: usize) -> Node {
+        self.levels[level][index].0
+    }
+
+    fn lobes(&self, level: usize, index: usize, _: &Node) -> Decoded {
+        Decoded { local_from_world: None, lobes: self.levels[level][index].1 }
+    }
+
+    fn along_axis(&self, level: usize, index: usize, node: &Node) -> [Sent; 2] {
+        self.levels[level][index].1.sent_both(&basis(node.axis.normalize_or(Vec3::Z)))
+    }
+
+    fn is_one_sided(&self, level: usize, index: usize) -> bool {
+        let (node, lobes) = &self.levels[level][index];
+        code::both(lobes, node.area) < 0.5 / 255.0
     }
 
     fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record)) {
