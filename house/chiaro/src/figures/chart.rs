@@ -73,15 +73,9 @@ impl Axis {
     /// Values to be marked.
     fn ticks(&self, [low, high]: [f64; 2]) -> Vec<f64> {
         match self.scale {
-            Scale::Linear => {
-                let rough = (high - low) / 6.0;
-                let unit = 10f64.powf(rough.log10().floor());
-                let step =
-                    [1.0, 2.0, 5.0, 10.0].map(|s| s * unit).into_iter().find(|s| *s >= rough);
-                let step = step.unwrap_or(10.0 * unit);
-                let first = (low / step).ceil() as i64;
-                (first..).map(|i| i as f64 * step).take_while(|v| *v <= high + 1e-9).collect()
-            }
+            Scale::Linear => even_ticks([low, high]),
+            // Between neighbouring digits.
+            Scale::Log if high - low < 0.2 => even_ticks([low, high].map(|v| 10f64.powf(v))),
             Scale::Log => {
                 let digits: &[f64] = match high - low {
                     r if r < 0.4 => &[1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
@@ -96,10 +90,20 @@ impl Axis {
     }
 }
 
+/// Round numbers in a range, the same apart.
+fn even_ticks([low, high]: [f64; 2]) -> Vec<f64> {
+    let rough = (high - low) / 6.0;
+    let unit = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * unit).into_iter().find(|s| *s >= rough);
+    let step = step.unwrap_or(10.0 * unit);
+    let first = (low / step).ceil() as i64;
+    (first..).map(|i| i as f64 * step).take_while(|v| *v <= high + 1e-9).collect()
+}
+
 fn short(value: f64) -> String {
     match value.abs() {
         v if v >= 1e4 => format!("{:.0}k", value / 1e3),
-        v if v >= 10.0 || v.fract() == 0.0 => format!("{value:.0}"),
+        v if v >= 100.0 || v.fract() == 0.0 => format!("{value:.0}"),
         v if v >= 0.1 => format!("{value:.1}"),
         _ => format!("{value:.0e}"),
     }
@@ -205,6 +209,8 @@ mod tests {
         assert_eq!(linear.ticks([0.0, 11.0]), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         let log = Axis { name: "", scale: Scale::Log };
         assert_eq!(log.ticks([0.9, 4.1]), [10.0, 100.0, 1000.0, 10_000.0]);
+        let near = log.ticks([0.93, 0.96]);
+        assert!(near.len() >= 3 && near.iter().all(|v| (8.5..9.13).contains(v)), "{near:?}");
         assert_eq!(log.range(std::iter::empty()), [0.0, 1.0]);
     }
 

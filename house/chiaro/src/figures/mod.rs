@@ -66,6 +66,8 @@ const RATE: &str = "6.rate";
 const BOOKS: &str = "6.books";
 /// Films of strokes in several styles at once.
 const STROKES: &str = "strokes";
+/// Resident memory over time.
+const MEMORY: &str = "6.6";
 /// Indirect light: its rules left out in turn, and error over time.
 const LIGHT: &str = "light";
 const TAKING: [&str; 5] = [BASELINES, FLICKER, METHODS, STROKES, LIGHT];
@@ -86,6 +88,14 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
         (true, true) => all().collect(),
         _ => chosen(&plain)?,
     };
+    let named = |name: &str| taking.iter().any(|n| *n == name);
+    let of_all = |name: &str| names.is_empty() && ![RATE, BOOKS].contains(&name);
+    let measured = || quantized::all().filter(|f| named(f.name) || of_all(f.name));
+    // What other figures gave back to the process would be taken unseen: this one comes first.
+    let mut memory = measured()
+        .find(|f| f.name == MEMORY)
+        .map(|figure| measured_figure(figure, scenes, folder, &mut record, run))
+        .transpose()?;
     for figure in figures {
         run.check()?;
         let mut sheet =
@@ -99,11 +109,15 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
             pictures: vec![(file, figure.title.into())],
         });
     }
-    let named = |name: &str| taking.iter().any(|n| *n == name);
-    let of_all = |name: &str| names.is_empty() && ![RATE, BOOKS].contains(&name);
-    for figure in quantized::all().filter(|f| named(f.name) || of_all(f.name)) {
+    for figure in measured() {
         run.check()?;
-        sections.push(measured_figure(figure, scenes, folder, &mut record, run)?);
+        sections.push(match (figure.name, memory.take()) {
+            (MEMORY, Some(section)) => section,
+            (_, kept) => {
+                memory = kept;
+                measured_figure(figure, scenes, folder, &mut record, run)?
+            }
+        });
     }
     if named(BASELINES) || names.is_empty() {
         sections.push(baselines(scenes, folder, &mut record, run)?);
