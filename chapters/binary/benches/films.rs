@@ -129,14 +129,13 @@ impl Takes {
             let (name, value) = set.split_once('=').expect("checked");
             knobs.set(name, value).expect("a knob");
         }
-        let area = knobs.island_area(SIDE);
         let mut sums = [Flicker::default(), Flicker::default()];
         let start = Instant::now();
         let labels = self.labelled(&knobs);
         let seconds = start.elapsed().as_secs_f64();
         for (i, ((cel, sight), labels)) in self.0.iter().zip(&labels).enumerate() {
             let (alone, cut) = cel.own(0);
-            let own = cel.without_islands(0, alone, area);
+            let own = cel.finished(0, &knobs).expect("weights are small");
             for (sum, labels) in sums.iter_mut().zip([labels, &own]) {
                 let shown = Shown {
                     labels,

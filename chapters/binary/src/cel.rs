@@ -5,6 +5,7 @@
 //! layer of as many labels. All layers share the bonds of the graph and the links of the frame.
 
 use crate::cut::{Graph, Labels};
+use crate::knob::BinaryKnobs;
 use crate::mend::Costs;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
@@ -110,9 +111,10 @@ impl Cel {
         Plane::from_pixels(w, h, cheapest(self.prices(layer), self.count(layer)))
     }
 
-    /// A layer's labels without small pieces.
-    pub fn without_islands(&self, layer: usize, labels: &Plane<u8>, area: f32) -> Plane<u8> {
-        self.costs(self.prices(layer), layer).without_islands(labels, area)
+    /// A layer's own labels as a picture by itself shows them: with round borders, without small
+    /// pieces.
+    pub fn finished(&self, layer: usize, knobs: &BinaryKnobs) -> Result<Plane<u8>> {
+        self.costs(self.prices(layer), layer).finished(self.own(layer).0, knobs)
     }
 
     /// What labels of a layer cost by these prices.

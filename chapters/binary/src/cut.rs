@@ -2,6 +2,7 @@
 
 use crate::knob::{BinaryKnobs, REFERENCE_HEIGHT};
 use crate::mend::Costs;
+use crate::round::reach;
 use chiaro_basis::{Error, Result};
 use chiaro_image::{Plane, Runs};
 use chiaro_mincut::Grid;
@@ -89,9 +90,17 @@ impl Graph {
             .map(|l| *l == 1)
     }
 
+    /// Labels near those given that cost least by sixteen neighbours: what nothing guides is round
+    /// instead of faceted. Only what lies within `round` of the knobs from a border changes.
+    pub fn rounded(&self, white: &Plane<bool>, knobs: &BinaryKnobs) -> Result<Plane<bool>> {
+        let labels = white.map(|w| u8::from(*w));
+        let costs = self.costs(self.terminal.pixels().as_flattened(), 2);
+        Ok(costs.rounded(&labels, reach(knobs, white.height()))?.map(|l| *l == 1))
+    }
+
     /// What labels cost that have these prices, with the bonds of the graph.
     pub(crate) fn costs<'a>(&'a self, prices: &'a [i32], count: usize) -> Costs<'a> {
-        Costs { mask: &self.mask, count, prices, neighbour: &self.neighbour }
+        Costs { mask: &self.mask, count, prices, neighbour: &self.neighbour, by_step: false }
     }
 
     fn grid(&self) -> Grid<'_> {

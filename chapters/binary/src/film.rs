@@ -141,9 +141,8 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
             let at = key - around.start;
             let before = at.checked_sub(1).map(|i| &labels[i]);
             let after = labels.get(at + 1).map(|after| (self.cel(key + 1).as_ref(), after));
-            let area = self.knobs.island_area(cel.graph.mask.height());
             let held = held((cel, layer), before, after, self.knobs);
-            let clean = cel.costs(&held, layer).without_islands(&labels[at], area);
+            let clean = cel.costs(&held, layer).finished(&labels[at], self.knobs)?;
             settled.push(cel.kept(layer, clean));
         }
         self.keys.insert(key, settled.clone());
@@ -162,7 +161,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         let known = Known { before: Some(before), after };
         let labels = self.cut(window.clone(), layer, &known, run)?;
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
-        Ok(cels[0].kept(layer, settled((&labels, layer), &cels, before, self.knobs)))
+        Ok(cels[0].kept(layer, settled((&labels, layer), &cels, before, self.knobs)?))
     }
 
     fn cut(
@@ -207,20 +206,20 @@ fn settled(
     cels: &[&Cel],
     before: &Plane<u8>,
     knobs: &BinaryKnobs,
-) -> Plane<u8> {
+) -> Result<Plane<u8>> {
     let mask = &cels[0].graph.mask;
     let area = knobs.island_area(mask.height());
     let after = cels.get(1).map(|after| (*after, &labels[1]));
     let held = held((cels[0], layer), Some(before), after, knobs);
-    let clean = cels[0].costs(&held, layer).without_islands(&labels[0], area);
+    let clean = cels[0].costs(&held, layer).finished(&labels[0], knobs)?;
     if area <= 0.0 {
-        return clean;
+        return Ok(clean);
     }
     let pieces = components(&clean, mask);
     let count = pieces.pieces.len();
     let is_new = mostly_new(&pieces.ids, &clean, cels[0], before, count);
     if !is_new.contains(&true) {
-        return clean;
+        return Ok(clean);
     }
     let mut lasts = vec![true; count];
     let mut owner = pieces.ids.clone();
@@ -240,7 +239,7 @@ fn settled(
         }
     }
     let goes = |id: usize| is_new[id] && !lasts[id] && pieces.pieces[id].touches_other;
-    without_islands(&recoloured(&clean, &pieces, mask, &goes), mask, area)
+    Ok(without_islands(&recoloured(&clean, &pieces, mask, &goes), mask, area))
 }
 
 /// The prices of a frame's layer with the pull of its links to the labels before and after it.

@@ -29,6 +29,7 @@ mod paint;
 mod palette;
 mod plateau;
 mod price;
+mod round;
 mod rows;
 mod shade;
 mod tariff;

@@ -11,6 +11,9 @@
 
 use crate::geometry::EDGES;
 use crate::island::without_islands;
+use crate::knob::BinaryKnobs;
+use crate::round::reach;
+use chiaro_basis::Result;
 use chiaro_image::Plane;
 use chiaro_image::labels::{Components, Piece, UNCOVERED, components};
 use std::cmp::Reverse;
@@ -27,9 +30,18 @@ pub(crate) struct Costs<'a> {
     pub(crate) prices: &'a [i32],
     /// Bonds to E, SE, S, SW, paid between any two labels.
     pub(crate) neighbour: &'a Plane<[i32; 4]>,
+    /// Whether a border costs its bond for each step from one label to the other, as between tones,
+    /// or once. Only [`Costs::rounded`] looks at it.
+    pub(crate) by_step: bool,
 }
 
 impl Costs<'_> {
+    /// `labels` with round borders, and then without small pieces.
+    pub(crate) fn finished(&self, labels: &Plane<u8>, knobs: &BinaryKnobs) -> Result<Plane<u8>> {
+        let round = self.rounded(labels, reach(knobs, labels.height()))?;
+        Ok(self.without_islands(&round, knobs.island_area(labels.height())))
+    }
+
     /// `labels` without pieces of fewer than `area` pixels.
     pub(crate) fn without_islands(&self, labels: &Plane<u8>, area: f32) -> Plane<u8> {
         if area <= 1.0 {
@@ -37,6 +49,12 @@ impl Costs<'_> {
         }
         let grown = Growing::new(*self, labels, area).grown();
         without_islands(&grown, self.mask, area)
+    }
+
+    /// How often a border between two labels costs its bond.
+    pub(crate) fn apart(&self, a: u8, b: u8) -> i32 {
+        let steps = i32::from(a.abs_diff(b));
+        if self.by_step { steps } else { steps.min(1) }
     }
 
     /// The energy of labels.
@@ -249,7 +267,7 @@ mod tests {
         });
         let neighbour = Plane::filled(w, h, [bond, 0, bond, 0]);
         let prices = terminal.pixels().as_flattened();
-        let costs = Costs { mask: &mask, count: 2, prices, neighbour: &neighbour };
+        let costs = Costs { mask: &mask, count: 2, prices, neighbour: &neighbour, by_step: false };
         let out = costs.without_islands(&labels, area);
         let sign = |x, y| if out[(x, y)] == 1 { '.' } else { '#' };
         (0..h).map(|y| (0..w).map(|x| sign(x, y)).collect()).collect()
@@ -287,7 +305,13 @@ mod tests {
                 prices.extend((0..count).map(|l| 9 * i32::from(l != usize::from(*own))));
             }
             let neighbour = Plane::filled(w, h, [3, 2, 3, 2]);
-            let costs = Costs { mask: &mask, count, prices: &prices, neighbour: &neighbour };
+            let costs = Costs {
+                mask: &mask,
+                count,
+                prices: &prices,
+                neighbour: &neighbour,
+                by_step: false,
+            };
             let out = costs.without_islands(&labels, 6.0);
             let found = components(&out, &mask);
             assert!(found.pieces.iter().all(|p| p.area >= 6 || !p.touches_other));

@@ -15,7 +15,9 @@ use crate::cut::Graph;
 use crate::exposure::{Exposure, MOST_STEPS, mixed_tone};
 use crate::island::without_islands;
 use crate::knob::{BinaryKnobs, scaled};
+use crate::mend::Costs;
 use crate::paint::Paint;
+use crate::round::reach;
 use crate::shade::View;
 use crate::tariff::Tariff;
 use crate::terminal::terminal;
@@ -152,10 +154,13 @@ pub fn colour_regions(
         _ => ordered(graph, &data, count)?,
     };
     let labels = Plane::from_pixels(width, height, found.labels);
-    let area = knobs.island_area(height);
     let mut labels = match palette {
-        Palette::Spots(_) => graph.costs(&data, count).without_islands(&labels, area),
-        _ => without_islands(&labels, &graph.mask, area),
+        Palette::Spots(_) => graph.costs(&data, count).finished(&labels, knobs)?,
+        _ => {
+            let costs = Costs { by_step: true, ..graph.costs(&data, count) };
+            let round = costs.rounded(&labels, reach(knobs, height))?;
+            without_islands(&round, &graph.mask, knobs.island_area(height))
+        }
     };
     if let Some(paint) = paint {
         labels = keep(labels, &graph.mask, paint.drawn(), palette);

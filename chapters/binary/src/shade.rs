@@ -41,8 +41,10 @@ pub struct Steps {
     pub graph: Graph,
     /// The minimal cut of that graph.
     pub labels: Labels,
-    /// The labels after the smallest-island rule; white where true.
+    /// The labels with round borders and after the smallest-island rule; white where true.
     pub white: Plane<bool>,
+    /// What round borders added to the energy by eight neighbours, in units of weight.
+    pub round_energy: f64,
     /// What the rule added to the energy, in units of weight.
     pub island_energy: f64,
     /// How much of the border runs on features.
@@ -153,18 +155,31 @@ impl Prepared {
         let labels = run.stage("cut", pixels, || graph.solve())?;
         run.check()?;
         let area = knobs.island_area(graph.mask.height());
-        let mut white = graph.without_islands(&labels.white, area);
+        let round = run.stage("round", pixels, || graph.rounded(&labels.white, knobs))?;
+        let rounded = graph.energy(&round);
+        let mut white = graph.without_islands(&round, area);
         if let Some(paint) = paint {
             white = paint.kept(&white, &graph.mask);
         }
-        let added = if area > 0.0 { graph.energy(&white) - labels.cut } else { 0 };
+        let weight = |units: i64| units as f64 / f64::from(graph.scale);
+        let round_energy = weight(rounded - labels.cut);
+        let island_energy = if area > 0.0 { weight(graph.energy(&white) - rounded) } else { 0.0 };
         let border = Border::measure(&white, &graph.mask, &pairs);
         let (shown, (region, lines)) = run.stage("lines", pixels, || {
             let outlined = outline(&features, &white, &graph.mask, paper_is_white, knobs);
             (features.haloed(&white), outlined)
         });
-        let island_energy = added as f64 / f64::from(graph.scale);
-        Ok(Steps { graph, labels, white, island_energy, border, shown, region, lines })
+        Ok(Steps {
+            graph,
+            labels,
+            white,
+            round_energy,
+            island_energy,
+            border,
+            shown,
+            region,
+            lines,
+        })
     }
 }
 
@@ -221,7 +236,7 @@ pub fn expose(views: &[View], shadows: bool, knobs: &BinaryKnobs, run: &Run) -> 
             let samples: Vec<Sample> = views.iter().map(samples).collect();
             let exposure = Exposure::survey(&samples, shadows, knobs);
             let band = knobs.black_min..=knobs.black_max.max(knobs.black_min);
-            off_plateaus(views, survey.within_band(exposure, band)?, knobs)
+            off_plateaus(views, &survey.factors, survey.within_band(exposure, band)?, knobs)
         }
     };
     if !knobs.palette.is_empty() {

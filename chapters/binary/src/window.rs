@@ -369,7 +369,13 @@ impl Crop {
 }
 
 /// Widens the marks of a line of `count` entries, `step` apart from `start` on.
-fn widen_line(marks: &mut [bool], start: usize, step: usize, count: usize, reach: usize) {
+pub(crate) fn widen_line(
+    marks: &mut [bool],
+    start: usize,
+    step: usize,
+    count: usize,
+    reach: usize,
+) {
     let at = |i: usize| start + i * step;
     let was: Vec<bool> = (0..count).map(|i| marks[at(i)]).collect();
     let mut until = 0;

@@ -7,7 +7,10 @@ use serde_json::{Map, Value, json};
 
 /// The measures of a picture for the record.
 pub(crate) fn stepped(steps: &Steps) -> Map<String, Value> {
-    labelled(&steps.white, &steps.graph, &steps.labels, steps.island_energy, &steps.border)
+    let mut counts =
+        labelled(&steps.white, &steps.graph, &steps.labels, steps.island_energy, &steps.border);
+    counts.insert("round_energy".into(), json!(steps.round_energy));
+    counts
 }
 
 /// The measures of a labelled frame: its regions, its graph and that graph's own cut, what the

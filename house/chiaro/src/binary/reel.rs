@@ -181,8 +181,8 @@ pub(crate) fn label(
     if labelling != Labelling::Windows {
         for index in (0..plan.frames).filter(|i| is_wanted[*i]) {
             let take = source.take(index, setting, run)?;
-            let layers = alone(&take.cel, labelling, knobs);
-            measure(&mut flicker, index, &take, &layers, knobs);
+            let layers = alone(&take.cel, labelling, knobs)?;
+            measure(&mut flicker, index, &take, &layers, knobs)?;
             deliver(take.number, setting.picture(&take, &layers, run))?;
         }
         return Ok(flicker_counts(&flicker));
@@ -199,7 +199,7 @@ pub(crate) fn label(
             &block,
             &mut |index| source.take(index, setting, run),
             &mut |index, take, layers| {
-                measure(&mut flicker, index, take, layers, knobs);
+                measure(&mut flicker, index, take, layers, knobs)?;
                 if !is_wanted[index] {
                     return Ok(());
                 }
@@ -212,12 +212,11 @@ pub(crate) fn label(
 }
 
 /// The labels of a frame's layers by itself.
-fn alone(cel: &Cel, labelling: Labelling, knobs: &BinaryKnobs) -> Vec<Plane<u8>> {
+fn alone(cel: &Cel, labelling: Labelling, knobs: &BinaryKnobs) -> Result<Vec<Plane<u8>>> {
     if labelling == Labelling::Blurred {
-        return vec![blurred(&cel.graph)];
+        return Ok(vec![blurred(&cel.graph)]);
     }
-    let area = knobs.island_area(cel.graph.mask.height());
-    (0..cel.depth()).map(|layer| cel.without_islands(layer, cel.own(layer).0, area)).collect()
+    (0..cel.depth()).map(|layer| cel.finished(layer, knobs)).collect()
 }
 
 /// The sign of W - B after a Gaussian of 3 pixels at 480.
@@ -228,20 +227,19 @@ fn blurred(graph: &Graph) -> Plane<u8> {
     soft.zip(&graph.mask, |p, m| u8::from(*m && *p > 0.0)).expect("a filter keeps the size")
 }
 
-/// Measures the layers of a frame, each as a film of its own: as it is, and the energy that the island
-/// rule alone would add.
+/// Measures the layers of a frame, each as a film of its own: as it is, and the energy that round
+/// borders and the island rule alone would add.
 fn measure(
     flicker: &mut Vec<Flicker>,
     index: usize,
     take: &Take,
     layers: &[Plane<u8>],
     knobs: &BinaryKnobs,
-) {
+) -> Result<()> {
     flicker.resize_with(flicker.len().max(layers.len()), Flicker::default);
     let cel = &take.cel;
     for (layer, (flicker, labels)) in flicker.iter_mut().zip(layers).enumerate() {
         let (alone, energy) = cel.own(layer);
-        let area = knobs.island_area(labels.height());
         let shown = Shown {
             labels,
             covered: &cel.graph.mask,
@@ -251,8 +249,9 @@ fn measure(
             energy: [cel.energy(layer, labels), energy],
         };
         flicker.add(index, &shown);
-        flicker.islands += cel.energy(layer, &cel.without_islands(layer, alone, area)) - energy;
+        flicker.islands += cel.energy(layer, &cel.finished(layer, knobs)?) - energy;
     }
+    Ok(())
 }
 
 impl Setting<'_> {
