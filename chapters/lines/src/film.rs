@@ -133,6 +133,8 @@ struct Ready {
 const NEAR_EVENT: f64 = 40.0;
 /// Visible length that an id must reach in some frame, in parts of what is pruned.
 const BRIEF: f64 = 0.5;
+/// Length of a chain of edges that bends no more than is usual, in parts of its extent.
+const STRAIGHT: f64 = 1.3;
 /// A camera that turns by more than this between frames may have been cut, radians.
 const CUT: f64 = 0.5;
 /// It has if it turned this many times less before.
@@ -304,7 +306,7 @@ impl<'a> Tracking<'a> {
         for path in &lines.paths {
             if let Some(line) = lasting(path.kind, path.chain, &labels) {
                 let longest = self.lengths.entry((path.kind, line)).or_insert(0.0);
-                *longest = longest.max(path.total());
+                *longest = longest.max(spread(path));
             }
         }
         let stretches = [lines.visible.stretches, lines.visible.split];
@@ -465,6 +467,15 @@ fn lasting(kind: Kind, chain: u32, labels: &[u32]) -> Option<u32> {
     }
 }
 
+/// How long a line is that is not to be pruned: an open chain of edges that goes to and fro, as rifts of
+/// scans do, is no longer than the part of the picture that it takes.
+fn spread(path: &Path) -> f64 {
+    match path.kind.is_edge() && !path.closed {
+        true => path.total().min(STRAIGHT * path.extent()),
+        false => path.total(),
+    }
+}
+
 /// Drops closed silhouettes and chains of edges that never grow longer than `longest` pixels: what
 /// noise makes. It is decided once over the life of a line, so that nothing flickers.
 fn prune(film: &mut Film, lengths: &BTreeMap<(Kind, u32), f64>, longest: f64) {
@@ -574,7 +585,7 @@ fn cover(strands: &mut Strands, path: &Path, index: usize, lines: &Lines) {
         let first = (a * parts - 0.5).ceil().max(0.0) as usize;
         let mut part = first;
         while (part as f64 + 0.5) / parts < b && start + part < end {
-            let place = k as f64 + ((part as f64 + 0.5) / parts - a) / (b - a);
+            let place = path.place_in_space(k, ((part as f64 + 0.5) / parts - a) / (b - a));
             strands.stroke[start + part] = stroke(place);
             strands.weight[start + part] = share as f32;
             part += 1;

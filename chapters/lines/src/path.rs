@@ -2,7 +2,7 @@
 //! hides it.
 
 use crate::view::{Seen, View};
-use chiaro_basis::math::DVec3;
+use chiaro_basis::math::{DVec2, DVec3};
 
 /// What kind of line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -117,6 +117,8 @@ pub struct Path {
     pub points: Vec<Point>,
     /// Where each point is in the picture; `None` behind the camera.
     pub seen: Vec<Option<Seen>>,
+    /// What the picture coordinates of each point are divided by: its depth, 1 in orthographic views.
+    pub divisors: Vec<f64>,
     /// One less than points.
     pub segments: Vec<Segment>,
     /// Picture length from the first point to each, pixels; segments that are not inside the
@@ -124,7 +126,7 @@ pub struct Path {
     pub length: Vec<f64>,
 }
 
-/// A position on a path: index of a segment, and the share of it.
+/// A position on a path: index of a segment, and the share of it, as it is in the picture.
 pub type Place = f64;
 
 impl Path {
@@ -146,6 +148,7 @@ impl Path {
             fringe: false,
             points: Vec::with_capacity(points.len()),
             seen: Vec::with_capacity(points.len()),
+            divisors: Vec::with_capacity(points.len()),
             segments: Vec::with_capacity(segments.len()),
             length: Vec::with_capacity(points.len()),
         };
@@ -159,6 +162,7 @@ impl Path {
 
     fn put(&mut self, point: Point, view: &View) {
         self.seen.push(view.see(point.world));
+        self.divisors.push(view.homogeneous(point.world)[2]);
         self.points.push(point);
         self.length.push(self.length.last().copied().unwrap_or(0.0));
     }
@@ -192,13 +196,35 @@ impl Path {
         self.length.last().copied().unwrap_or(0.0)
     }
 
+    /// The diagonal of the part of the picture that it takes, pixels.
+    pub fn extent(&self) -> f64 {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for (k, _) in self.segments.iter().enumerate().filter(|(_, s)| !s.outside) {
+            for seen in self.seen[k..k + 2].iter().flatten() {
+                (low, high) = (low.min(seen.at), high.max(seen.at));
+            }
+        }
+        if low.x <= high.x { low.distance(high) } else { 0.0 }
+    }
+
     /// The point at a place.
     pub fn point(&self, place: Place) -> Point {
         let k = (place.max(0.0) as usize).min(self.segments.len().saturating_sub(1));
         match self.points.get(k + 1) {
-            Some(next) => Point::mix(&self.points[k], next, place - k as f64),
+            Some(next) => Point::mix(&self.points[k], next, self.in_space(k, place - k as f64)),
             None => self.points[k],
         }
+    }
+
+    /// The share in space of a segment's share in the picture: far halves look shorter.
+    fn in_space(&self, segment: usize, share: f64) -> f64 {
+        share_between([self.divisors[segment], self.divisors[segment + 1]], share)
+    }
+
+    /// The place a share of the way along a segment in space.
+    pub fn place_in_space(&self, segment: usize, share: f64) -> Place {
+        let [a, b] = [self.divisors[segment], self.divisors[segment + 1]];
+        segment as f64 + share_between([b, a], share)
     }
 
     /// The picture length up to a place.
@@ -246,7 +272,8 @@ impl Path {
         let k = (place.max(0.0) as usize).min(self.segments.len().checked_sub(1)?);
         let (a, b) = (self.seen[k]?, self.seen[k + 1]?);
         let t = place - k as f64;
-        Some(Seen { at: a.at.lerp(b.at, t), depth: a.depth + (b.depth - a.depth) * t })
+        let depth = a.depth + (b.depth - a.depth) * self.in_space(k, t);
+        Some(Seen { at: a.at.lerp(b.at, t), depth })
     }
 }
 
@@ -260,6 +287,11 @@ impl Point {
             on_chain: a.on_chain + (b.on_chain - a.on_chain) * t,
         }
     }
+}
+
+/// What a share of a segment in one of picture and space is in the other; `a` and `b` belong to its ends.
+fn share_between([a, b]: [f64; 2], share: f64) -> f64 {
+    if a > 0.0 && b > 0.0 { share * a / (share * a + (1.0 - share) * b) } else { share }
 }
 
 /// The part of a segment that falls inside the picture, as shares of it (Liang and Barsky 1984, in
@@ -284,4 +316,37 @@ fn inside(a: DVec3, b: DVec3, view: &View, margin: f64) -> Option<[f64; 2]> {
         }
     }
     (t0 < t1).then_some([t0, t1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::math::vec3;
+    use chiaro_scene::{Pose, Projection};
+
+    #[test]
+    fn a_place_is_the_same_in_the_picture_and_in_space() {
+        let (eye, aim, up) = (vec3(0.0, 1.0, 3.0), vec3(0.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0));
+        let point = |world| Point { world, next: None, pushed: world, on_chain: 0.0 };
+        // From just before the eye to far away.
+        let ends = [point(DVec3::new(-0.4, 0.0, 1.5)), point(DVec3::new(2.0, 0.5, -9.0))];
+        let segment = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        for projection in
+            [Projection::Perspective { fov_y: 1.2 }, Projection::Orthographic { half_height: 3.0 }]
+        {
+            let view = View::new(Pose::look_at(eye, aim, up, projection), (640, 480));
+            let path = Path::new(Kind::Crease, 0, false, &ends, &[segment], &view, 8.0);
+            for k in 0..=20 {
+                let place = path.segments.len() as f64 * f64::from(k) / 20.0;
+                let seen = path.seen_at(place).expect("it is before the eye");
+                let world = path.point(place).world;
+                let again = view.see(world).expect("it is before the eye");
+                assert!(seen.at.distance(again.at) < 1e-6, "{place}: {seen:?} {again:?}");
+                assert!((seen.depth - again.depth).abs() < 1e-9);
+                let segment = (place as usize).min(path.segments.len() - 1);
+                let share = path.in_space(segment, place - segment as f64);
+                assert!((path.place_in_space(segment, share) - place).abs() < 1e-9);
+            }
+        }
+    }
 }
