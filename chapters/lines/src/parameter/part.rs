@@ -198,7 +198,7 @@ pub(crate) fn closed_up(line: &Line, own: &[f64], scale: f64, period: Option<f64
 /// u of a part of a line, whose u is closed up, at some lengths of the part.
 pub(crate) fn values(line: &Line, own: &[f64], part: &Origin, lengths: &[f64]) -> Vec<f64> {
     let from = part.from;
-    if from == 0.0 && lengths == &line.length[..lengths.len()] {
+    if from == 0.0 && line.length.get(..lengths.len()) == Some(lengths) {
         return own[..lengths.len()].iter().map(|u| u + part.turns).collect();
     }
     let turn = own[own.len() - 1] - own[0];

@@ -82,10 +82,13 @@ fn opened(stroke: &Stroke, at: &mut Vec<Place>) -> (f64, Stroke) {
     let start = (cut.at + TRIM).rem_euclid(total);
     at.iter_mut().for_each(|p| p.at = (p.at - start).rem_euclid(total));
     at.sort_unstable_by(|a, b| a.at.total_cmp(&b.at));
-    let first = part(stroke, start, total);
-    let mut open = part(stroke, 0.0, (start - 2.0 * TRIM).max(0.0));
-    open.samples.splice(0..0, first.samples[..first.samples.len() - 1].iter().copied());
-    open.measure();
+    let end = start - 2.0 * TRIM;
+    let mut open = part(stroke, start, total + end.min(0.0));
+    if end > SAME {
+        open.samples.pop();
+        open.samples.extend(part(stroke, 0.0, end).samples);
+        open.measure();
+    }
     open.id = cut.ids.map_or(open.id, |ids| ids[1]);
     (start, open)
 }
@@ -110,4 +113,41 @@ fn sample_at(stroke: &Stroke, at: f64) -> Sample {
     let span = l[k] - l[k - 1];
     let share = if span > 0.0 { ((at - l[k - 1]) / span).clamp(0.0, 1.0) } else { 0.0 };
     s[k - 1].toward(&s[k % s.len()], share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::{Kind, Path, Point, Segment};
+    use crate::view::View;
+    use crate::visibility::Run;
+    use chiaro_basis::math::{DVec3, Vec3};
+    use chiaro_scene::{Pose, Projection};
+
+    #[test]
+    fn a_loop_opens_wherever_it_is_cut() {
+        let projection = Projection::Orthographic { half_height: 50.0 };
+        let pose = Pose::look_at(Vec3::Z * 10.0, Vec3::ZERO, Vec3::Y, projection);
+        let view = View::new(pose, (100, 100));
+        let point = |k: u32| {
+            let angle = std::f64::consts::TAU * f64::from(k % 16) / 16.0;
+            let world = 20.0 * DVec3::new(angle.cos(), angle.sin(), 0.0);
+            Point { world, next: None, pushed: world, on_chain: f64::from(k) }
+        };
+        let points: Vec<Point> = (0..=16).map(point).collect();
+        let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        let path = Path::new(Kind::Silhouette, 0, true, &points, &[plain; 16], &view, 0.0);
+        let stroke = Stroke::of(&path, Run { start: 0.0, end: 16.0 }, 3.0, &view, None);
+        let total = stroke.total();
+        // Also where the loop begins.
+        for at in [0.0, TRIM, 0.7, 2.0 * TRIM, 40.0, total - TRIM, total - 0.2] {
+            let mut places = vec![Place { line: 0, at, ids: None }];
+            let (start, open) = opened(&stroke, &mut places);
+            let lost = total - open.total();
+            assert!(!open.closed && (0.9..1.2).contains(&lost), "{at}: {lost} px are gone");
+            let begin = sample_at(&stroke, start).at;
+            assert!(open.samples[0].at.distance(begin) < 1e-9, "{at}");
+            assert!(open.length.windows(2).all(|l| l[1] > l[0]), "{at}: no step has no length");
+        }
+    }
 }
