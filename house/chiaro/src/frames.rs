@@ -93,6 +93,16 @@ impl<'a> Frames<'a> {
         Ok(())
     }
 
+    /// Writes a file of its own that is made piece by piece.
+    pub(crate) fn stream(
+        &mut self,
+        number: u32,
+        make: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>,
+    ) -> Result<()> {
+        self.outputs.push((number, write::streamed(&self.target.file(number), make)?));
+        Ok(())
+    }
+
     /// Remembers files that were written beside a frame's.
     pub(crate) fn beside(&mut self, number: u32, outputs: Vec<Output>) {
         self.outputs.extend(outputs.into_iter().map(|output| (number, output)));

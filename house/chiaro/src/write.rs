@@ -5,7 +5,7 @@ use crate::record::Output;
 use chiaro_basis::{Error, Result};
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -14,30 +14,73 @@ static COUNTER: AtomicU64 = AtomicU64::new(0);
 /// Writes `bytes` to `path` so that it appears whole or not at all. Missing folders are made. A
 /// device or a pipe (`/dev/stdout`) is written to, and not replaced.
 pub fn whole(path: &Path, bytes: &[u8]) -> Result<Output> {
+    streamed(path, |sink| sink.write_all(bytes))
+}
+
+/// The same for what is made piece by piece and need not be in memory as a whole: `make` writes it.
+pub fn streamed(
+    path: &Path,
+    make: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<Output> {
     let fail = |e: &std::io::Error| Error::output(path.display().to_string(), reason(e));
     if path.is_dir() {
         return Err(Error::output(path.display().to_string(), "is a folder; name a file in it"));
     }
     if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
-        let written = File::options().write(true).open(path).and_then(|mut f| f.write_all(bytes));
-        written.map_err(|e| fail(&e))?;
-        return Ok(Output {
-            path: path.to_path_buf(),
-            bytes: bytes.len() as u64,
-            sha256: sha256(bytes),
-        });
+        let device = File::options().write(true).open(path).map_err(|e| fail(&e))?;
+        return Counted::fill(device, make).map_err(|e| fail(&e)).map(|c| c.output(path));
     }
     if let Some(parent) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
         fs::create_dir_all(parent).map_err(|e| fail(&e))?;
     }
     let beside = beside(path);
-    let written = write_and_flush(&beside, bytes).and_then(|()| fs::rename(&beside, path));
-    if let Err(e) = written {
+    let write = || {
+        let counted = Counted::fill(File::create(&beside)?, make)?;
+        counted.file.sync_all()?;
+        fs::rename(&beside, path)?;
+        Ok(counted)
+    };
+    write().map(|c| c.output(path)).map_err(|e| {
         // The original error is the one to tell.
         let _ = fs::remove_file(&beside);
-        return Err(fail(&e));
+        fail(&e)
+    })
+}
+
+/// A file that counts and hashes what is written to it.
+struct Counted {
+    file: File,
+    bytes: u64,
+    hash: Sha256,
+}
+
+impl Counted {
+    fn fill(
+        file: File,
+        make: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> std::io::Result<Self> {
+        let mut sink = BufWriter::new(Self { file, bytes: 0, hash: Sha256::new() });
+        make(&mut sink)?;
+        sink.into_inner().map_err(std::io::IntoInnerError::into_error)
     }
-    Ok(Output { path: path.to_path_buf(), bytes: bytes.len() as u64, sha256: sha256(bytes) })
+
+    fn output(self, path: &Path) -> Output {
+        let sha256 = hexadecimal(&self.hash.finalize());
+        Output { path: path.to_path_buf(), bytes: self.bytes, sha256 }
+    }
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.hash.update(&bytes[..count]);
+        self.bytes += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.flush()
+    }
 }
 
 /// A name in the same folder that no other process and no other call uses.
@@ -47,15 +90,13 @@ pub(crate) fn beside(path: &Path) -> PathBuf {
     path.with_file_name(format!(".{name}.{}-{count}.part", std::process::id()))
 }
 
-fn write_and_flush(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
-}
-
 /// The hash of some bytes, in hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 #[cfg(test)]
@@ -70,6 +111,25 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"ink");
         assert_eq!(output.bytes, 3);
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn pieces_make_the_same_file_as_the_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let [one, many] = ["one", "many"].map(|name| dir.path().join(name));
+        let text = "a line of ink\n".repeat(5000);
+        let pieces = |sink: &mut dyn Write| text.lines().try_for_each(|l| writeln!(sink, "{l}"));
+        let written = streamed(&many, pieces).unwrap();
+        let expected = whole(&one, text.as_bytes()).unwrap();
+        assert_eq!(fs::read(&many).unwrap(), text.as_bytes());
+        assert_eq!((written.bytes, written.sha256), (expected.bytes, expected.sha256));
+        let cut = |sink: &mut dyn Write| {
+            sink.write_all(text.as_bytes())?;
+            Err(std::io::Error::other("it ends here"))
+        };
+        assert!(streamed(&many, cut).is_err());
+        assert_eq!(fs::read(&many).unwrap(), text.as_bytes(), "half a file replaces nothing");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
     }
 
     #[test]

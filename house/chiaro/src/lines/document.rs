@@ -12,18 +12,28 @@ use chiaro_ink::brush::Brush;
 use chiaro_lines::{FilmEvent, FilmFrame, Kind, Owner, Partner, Stroke};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write;
 
-/// The frames `wanted` of a shot, with the events between them.
-pub(super) fn document(shot: &Shot, wanted: &[u32], look: &Look<'_>) -> String {
+/// Writes the frames `wanted` of a shot, with the events between them; frame by frame, so that a long
+/// film is never in memory as text.
+pub(super) fn write(
+    shot: &Shot,
+    wanted: &[u32],
+    look: &Look<'_>,
+    sink: &mut dyn Write,
+) -> std::io::Result<()> {
     let mut brushes = Brushes::default();
     let mut text = String::from("{\"frames\":[");
     let frames = shot.numbers.iter().zip(&shot.film.frames).enumerate();
     let chosen = frames.filter(|(_, (n, _))| wanted.contains(n));
-    join(&mut text, chosen, |text, (i, (number, f))| {
+    for (k, (i, (number, f))) in chosen.enumerate() {
+        text.push_str(if k > 0 { "," } else { "" });
         let partners = shot.film.partners(i);
-        frame(text, *number, f, &partners, |s| brushes.of(&look.lines, &shot.names, s));
-    });
+        frame(&mut text, *number, f, &partners, |s| brushes.of(&look.lines, &shot.names, s));
+        sink.write_all(text.as_bytes())?;
+        text.clear();
+    }
     text += "\n],\"events\":[";
     let events = shot.film.events.iter().map(|e| (number_of(&shot.numbers, e.time), e));
     let (low, high) = (wanted.iter().min(), wanted.iter().max());
@@ -31,9 +41,9 @@ pub(super) fn document(shot: &Shot, wanted: &[u32], look: &Look<'_>) -> String {
         low.is_some_and(|l| t >= f64::from(*l)) && high.is_some_and(|h| t <= f64::from(*h))
     };
     join(&mut text, events.filter(|(t, _)| inside(*t)), |text, (time, e)| event(text, time, e));
-    let _ =
-        write!(text, "\n],\"style\":{},\"brushes\":{}}}\n", json!(look.style.name), brushes.json());
-    text
+    let style = json!(look.style.name);
+    let _ = write!(text, "\n],\"style\":{style},\"brushes\":{}}}\n", brushes.json());
+    sink.write_all(text.as_bytes())
 }
 
 /// The brushes that occur, in the order in which they do.

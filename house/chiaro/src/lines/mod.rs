@@ -303,11 +303,14 @@ struct Writing<'a> {
 }
 
 impl Writing<'_> {
+    /// Whether one file holds every frame.
+    fn holds_all(&self) -> bool {
+        matches!((&self.job.target, self.encoding), (Target::Single(_), Encoding::Json))
+    }
+
     /// The frames by file: one each, but a single file of strokes holds a whole film.
     fn pages(&self, numbers: &[u32], frames: &mut Frames<'_>, run: &Run) -> Result<()> {
-        let whole =
-            matches!((&self.job.target, self.encoding), (Target::Single(_), Encoding::Json));
-        for page in numbers.chunks(if whole { numbers.len().max(1) } else { 1 }) {
+        for page in numbers.chunks(if self.holds_all() { numbers.len().max(1) } else { 1 }) {
             let beneath = match (self.encoding, self.light) {
                 (Encoding::Json, _) => None,
                 (_, Some(light)) => Some(Beneath::of(&light.picture(page[0], run)?)),
@@ -334,9 +337,17 @@ impl Writing<'_> {
             frames.keep(number, run.stage("draw", 1, || draw(beneath)));
             return Ok(());
         }
+        let json = |sink: &mut dyn std::io::Write| document::write(self.shot, page, look, sink);
+        if self.holds_all() {
+            return run.stage("draw", page.len() as u64, || frames.stream(number, json));
+        }
         let recipe = (self.recipe)(number);
         let bytes = run.stage("draw", page.len() as u64, || match self.encoding {
-            Encoding::Json => Ok(document::document(self.shot, page, look).into_bytes()),
+            Encoding::Json => {
+                let mut text = Vec::new();
+                json(&mut text).map_err(|e| Error::output("memory", e.to_string()))?;
+                Ok(text)
+            }
             Encoding::Svg => {
                 let (svg, way) = svg::svg((self.shot, number), self.job, beneath, recipe)?;
                 self.travel.set(self.travel.get() + way);
