@@ -6,7 +6,7 @@
 //! 3. Between corners a uniform cubic B-spline runs along the points; its control points are moved
 //!    against the (1, 4, 1) / 6 by which it smooths, so that bends do not shrink.
 //! 4. The spline becomes straight lines where it is straight within the tolerance, and otherwise
-//!    the cubics that `kurbo` fits to it by area and moment (Levien).
+//!    the cubics that `kurbo` fits to runs of it by area and moment (Levien), halved until they fit.
 //!
 //! The ends of an open run of points stay exactly where they are.
 
@@ -14,7 +14,8 @@ use crate::path::{distance, distance_to_segment};
 use crate::relax::relaxed;
 use crate::{Path, Point, Segment};
 use kurbo::simplify::SimplifyBezPath;
-use kurbo::{BezPath, ParamCurve, PathEl, PathSeg};
+use kurbo::{BezPath, CubicBez, ParamCurve, ParamCurveDeriv, ParamCurveFit};
+use std::ops::Range;
 
 /// How curves are fitted. Lengths are in the unit of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,7 @@ pub struct Fit {
 /// Fits a path to `points`; `None` without any. The first point is not repeated at the end of a
 /// closed run.
 pub fn fit(points: &[Point], closed: bool, how: &Fit) -> Option<Path> {
+    let points = &distinct(points, closed, how.tolerance);
     if points.len() < 3 {
         return Path::through(points, closed);
     }
@@ -230,54 +232,178 @@ fn knot(c: &[Point]) -> Point {
     std::array::from_fn(|i| (c[0][i] + 4.0 * c[1][i] + c[2][i]) / 6.0)
 }
 
-/// Fits few cubics to a spline and ends them exactly at `end`. Where a fit leaves the spline, as happens
-/// at cusps, the spline's own cubics stand.
+/// Fits few cubics to a spline and ends them exactly at `end`. A run of the spline that one cubic does
+/// not stand for is halved; one that is no longer than a cubic of the spline stands for itself, so that
+/// this always ends.
 fn append(out: &mut Vec<Segment>, spline: &BezPath, how: &Fit, end: Point) {
+    let cubics: Vec<CubicBez> = spline.segments().map(|s| s.to_cubic()).collect();
     let source = SimplifyBezPath::new(spline.iter());
-    let fitted = kurbo::fit_to_bezpath(&source, how.tolerance);
-    let from = out.len();
-    out.extend(segments(if stays(&fitted, spline, how) { &fitted } else { spline }));
-    match out[from..].last_mut() {
-        Some(Segment::Line(p) | Segment::Cubic(_, _, p)) => *p = end,
-        None => out.push(Segment::Line(end)),
+    let run = Run { source: &source, cubics: &cubics };
+    let mut fitted: Vec<CubicBez> = Vec::new();
+    let mut left = vec![0.0..cubics.len() as f64];
+    while let Some(range) = left.pop() {
+        match run.fitted(&range, how) {
+            Some(one) => fitted.push(one),
+            None if range.end - range.start <= 1.0 => fitted.extend(run.within(&range)),
+            None => {
+                let middle = 0.5 * (range.start + range.end);
+                left.extend([middle..range.end, range.start..middle]);
+            }
+        }
+    }
+    let point = |p: kurbo::Point| [p.x, p.y];
+    let last = fitted.len().saturating_sub(1);
+    out.extend(fitted.iter().enumerate().map(|(i, c)| {
+        Segment::Cubic(point(c.p1), point(c.p2), if i == last { end } else { point(c.p3) })
+    }));
+    if fitted.is_empty() {
+        out.push(Segment::Line(end));
     }
 }
 
-fn segments(path: &BezPath) -> impl Iterator<Item = Segment> + '_ {
-    let point = |p: kurbo::Point| [p.x, p.y];
-    path.elements().iter().filter_map(move |element| match *element {
-        PathEl::LineTo(p) => Some(Segment::Line(point(p))),
-        PathEl::CurveTo(a, b, p) => Some(Segment::Cubic(point(a), point(b), point(p))),
-        _ => None,
-    })
+/// A spline as its cubics and as what `kurbo` fits to. Places on it are counted in cubics.
+struct Run<'a> {
+    source: &'a SimplifyBezPath,
+    cubics: &'a [CubicBez],
 }
 
-/// Whether curves fitted to a spline stay near it. Only those with long handles are looked at: others
-/// cannot leave their ends by much.
-fn stays(fitted: &BezPath, spline: &BezPath, how: &Fit) -> bool {
-    let mut way: Option<Vec<kurbo::Point>> = None;
-    fitted.segments().all(|segment| {
-        let PathSeg::Cubic(c) = segment else { return true };
-        let chord = (c.p3 - c.p0).hypot();
-        let handle = (c.p1 - c.p0).hypot().max((c.p3 - c.p2).hypot());
-        if handle <= chord {
-            return handle.is_finite();
+impl Run<'_> {
+    /// One cubic near a part of the spline.
+    fn fitted(&self, part: &Range<f64>, how: &Fit) -> Option<CubicBez> {
+        let n = self.cubics.len() as f64;
+        let range = part.start / n..part.end / n;
+        if n < 1.0 {
+            return None;
         }
-        let way = way.get_or_insert_with(|| passed(spline));
-        let limit = 4.0 * how.tolerance + 0.25 * how.blur;
-        (1..16).map(|i| c.eval(f64::from(i) / 16.0)).all(|p| {
-            let near = |w: &[kurbo::Point]| {
-                distance_to_segment([p.x, p.y], [w[0].x, w[0].y], [w[1].x, w[1].y]) <= limit
-            };
-            way.windows(2).any(near)
+        // Where it turns sharply, `kurbo` searches by arc length, which may not end.
+        let cubic = match self.bends_softly(&range) {
+            true => kurbo::fit_to_cubic(self.source, range, how.tolerance)?.0,
+            false => least_squares(self.source, range, how.tolerance)?,
+        };
+        let whole = part.start.floor() as usize..part.end.ceil() as usize;
+        stays(cubic, &self.cubics[whole], how).then_some(cubic)
+    }
+
+    /// The spline's own cubics in a part of it.
+    fn within(&self, part: &Range<f64>) -> impl Iterator<Item = CubicBez> + use<'_> {
+        let Range { start, end } = *part;
+        (start.floor() as usize..end.ceil() as usize).map(move |i| {
+            let at = |t: f64| (t - i as f64).clamp(0.0, 1.0);
+            self.cubics[i].subsegment(at(start)..at(end))
         })
+    }
+
+    /// Whether tangents hardly turn from sample to sample, at the places at which `kurbo` looks.
+    fn bends_softly(&self, range: &Range<f64>) -> bool {
+        let step = (range.end - range.start) * (1.0 / 21.0);
+        let tangent =
+            |i: u32| self.source.sample_pt_tangent(range.start + f64::from(i) * step, 1.0).tangent;
+        let tangents: Vec<kurbo::Vec2> = (0..22).map(tangent).collect();
+        tangents.windows(2).all(|w| w[1].cross(w[0]).abs() <= 0.2 * w[1].dot(w[0]))
+    }
+}
+
+/// The cubic with the ends of a part of a curve, and its tangents there, that is nearest to places on it
+/// at shares of its length, moved to where the cubic is nearest to them (Schneider 1990).
+fn least_squares(source: &SimplifyBezPath, range: Range<f64>, tolerance: f64) -> Option<CubicBez> {
+    const PLACES: usize = 40;
+    const ROUNDS: usize = 20;
+    let place = |i: usize| {
+        let t = range.start + (range.end - range.start) * i as f64 / PLACES as f64;
+        source.sample_pt_tangent(t, if i == PLACES { -1.0 } else { 1.0 })
+    };
+    let places: Vec<kurbo::Point> = (0..=PLACES).map(|i| place(i).p).collect();
+    let unit = |v: kurbo::Vec2| Some(v / v.hypot()).filter(|v| v.is_finite());
+    let (out, back) = (unit(place(0).tangent)?, unit(-place(PLACES).tangent)?);
+    let mut length = 0.0;
+    let mut shares = vec![0.0];
+    for w in places.windows(2) {
+        length += (w[1] - w[0]).hypot();
+        shares.push(length);
+    }
+    shares.iter_mut().for_each(|s| *s /= length);
+    let (start, end) = (places[0], places[PLACES]);
+    for _ in 0..ROUNDS {
+        let [p, q] = handles(&places, &shares, [out, back])?;
+        if !(p > 0.0 && q > 0.0 && p.max(q) < length) {
+            return None;
+        }
+        let cubic = CubicBez::new(start, start + p * out, end + q * back, end);
+        for (share, place) in shares.iter_mut().zip(&places) {
+            *share = nearer(cubic, *place, *share);
+        }
+        let off = shares.iter().zip(&places).map(|(t, p)| (cubic.eval(*t) - *p).hypot());
+        if off.fold(0.0, f64::max) <= tolerance {
+            return Some(cubic);
+        }
+    }
+    None
+}
+
+/// The lengths of both handles for which the cubic is nearest to places at shares of it.
+fn handles(
+    places: &[kurbo::Point],
+    shares: &[f64],
+    [out, back]: [kurbo::Vec2; 2],
+) -> Option<[f64; 2]> {
+    let (start, end) = (places[0].to_vec2(), places[places.len() - 1].to_vec2());
+    let (mut a, mut b, mut c, mut x, mut y) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (&t, place) in shares.iter().zip(places) {
+        let s = 1.0 - t;
+        let (first, second) = (3.0 * s * s * t, 3.0 * s * t * t);
+        let (p, q) = (first * out, second * back);
+        let rest = place.to_vec2() - (s * s * s + first) * start - (t * t * t + second) * end;
+        (a, b, c) = (a + p.dot(p), b + p.dot(q), c + q.dot(q));
+        (x, y) = (x + p.dot(rest), y + q.dot(rest));
+    }
+    let scale = a * c - b * b;
+    let found = [(x * c - y * b) / scale, (a * y - b * x) / scale];
+    found.iter().all(|f| f.is_finite()).then_some(found)
+}
+
+/// The share of a cubic nearest to a place, from one near it by a step of Newton's.
+fn nearer(cubic: CubicBez, place: kurbo::Point, share: f64) -> f64 {
+    let (off, first) = (cubic.eval(share) - place, cubic.deriv().eval(share).to_vec2());
+    let second = cubic.deriv().deriv().eval(share).to_vec2();
+    let step = off.dot(first) / (first.dot(first) + off.dot(second));
+    if step.is_finite() { (share - step).clamp(0.0, 1.0) } else { share }
+}
+
+/// Whether a cubic stays near those that it stands for. Only one with long handles is looked at: another
+/// cannot leave its ends by much.
+fn stays(c: CubicBez, run: &[CubicBez], how: &Fit) -> bool {
+    let chord = (c.p3 - c.p0).hypot();
+    let handle = (c.p1 - c.p0).hypot().max((c.p3 - c.p2).hypot());
+    if handle <= chord || !handle.is_finite() {
+        return handle.is_finite();
+    }
+    let steps = |s: &CubicBez| [0.0, 0.25, 0.5, 0.75, 1.0].map(|t| s.eval(t));
+    let way: Vec<kurbo::Point> = run.iter().flat_map(steps).collect();
+    let limit = 4.0 * how.tolerance + 0.25 * how.blur;
+    (1..16).map(|i| c.eval(f64::from(i) / 16.0)).all(|p| {
+        let near = |w: &[kurbo::Point]| {
+            distance_to_segment([p.x, p.y], [w[0].x, w[0].y], [w[1].x, w[1].y]) <= limit
+        };
+        way.windows(2).any(near)
     })
 }
 
-/// Points on a spline, close to each other.
-fn passed(spline: &BezPath) -> Vec<kurbo::Point> {
-    let steps = |s: PathSeg| (0..=4).map(move |i| s.eval(f64::from(i) / 4.0));
-    spline.segments().flat_map(steps).collect()
+/// Points that are apart, by a hundredth of the tolerance at least.
+fn distinct(points: &[Point], closed: bool, tolerance: f64) -> Vec<Point> {
+    let near = |a: Point, b: Point| {
+        let apart = distance(a, b) > 0.01 * tolerance;
+        !apart
+    };
+    let mut kept = points.to_vec();
+    kept.dedup_by(|b, a| near(*a, *b));
+    while closed && kept.len() > 1 && near(kept[0], kept[kept.len() - 1]) {
+        kept.pop();
+    }
+    if let (false, true, Some(end)) = (closed, kept.len() > 1, points.last()) {
+        let last = kept.len() - 1;
+        kept[last] = *end;
+    }
+    kept
 }
 
 /// `points` without those that the rest stands for within `tolerance` (Douglas and Peucker); the
@@ -397,6 +523,34 @@ mod tests {
                 let off = points.iter().map(|q| distance(p, *q)).fold(f64::INFINITY, f64::min);
                 assert!(off < 0.3, "walk {walk}: {off} off");
             }
+        }
+    }
+
+    #[test]
+    fn it_ends_whatever_the_points() {
+        // Repeated, doubled back, all in one place, nearly so, far apart, not numbers at all.
+        let places = [0.0, 1e-13, 1e-4, 0.02, 0.5, 3.0, 1e9, f64::NAN];
+        let mut state = 9u64;
+        let mut random = move |n: usize| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) as usize % n
+        };
+        for walk in 0..4000 {
+            let (n, few) = (random(40), 1 + random(places.len() - usize::from(walk % 8 != 0)));
+            let mut points: Vec<Point> =
+                (0..n).map(|_| [places[random(few)], places[random(few)]]).collect();
+            for i in 1..n {
+                match random(4) {
+                    0 => points[i] = points[i - 1],
+                    1 => points[i] = points[i.saturating_sub(2)],
+                    _ => {}
+                }
+            }
+            let how = Fit { tolerance: 0.02, corner: 0.7, blur: 0.15, rounds: 0 };
+            let path = fit(&points, walk % 2 == 0, &how);
+            assert_eq!(path.is_none(), n == 0);
+            // No more pieces than steps, corners counted twice.
+            assert!(path.is_none_or(|p| p.segments.len() <= 2 * n + 3));
         }
     }
 }

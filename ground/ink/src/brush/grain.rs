@@ -64,7 +64,7 @@ impl Inking<'_> {
     }
 
     /// The share of the ink that is there.
-    fn ink(&self, axis: &Axis, place: &Place) -> f32 {
+    pub(super) fn ink(&self, axis: &Axis, place: &Place) -> f32 {
         let b = self.brush;
         let size = f64::from(b.grain_size.max(0.05));
         let missing = match b.grain {

@@ -37,7 +37,7 @@ pub(super) fn band(brush: &Brush, spine: &Spine) -> Ribbon {
     }
     let apart = if brush.mark == Mark::Double { 0.5 * brush.gap } else { 0.0 };
     let placing = Placing { brush, hand: Hand::new(brush, &fine), spine: &fine };
-    Ribbon { round: false, ..placing.line(|h| h + apart) }
+    Ribbon { round: [false; 2], ..placing.line(|h| h + apart) }
 }
 
 /// The band of paper beside a stroke that hides others: on both sides, or on its right alone.
@@ -97,7 +97,7 @@ impl Placing<'_> {
     }
 
     fn ribbon(&self, ribs: Vec<Rib>, closed: bool) -> Ribbon {
-        let round = self.brush.cap == Cap::Round;
+        let round = [self.brush.cap == Cap::Round; 2];
         Ribbon { ribs, closed, round, erases: false, axis: self.spine.axis }
     }
 
@@ -186,7 +186,7 @@ impl Placing<'_> {
 
     fn dot(&self, spot: &Spot) -> Ribbon {
         let half = 0.5 * self.brush.size * spot.scale * self.uneven(spot, 41);
-        Ribbon { round: true, ..self.ribbon(vec![Rib::on(spot.knot, half)], false) }
+        Ribbon { round: [true; 2], ..self.ribbon(vec![Rib::on(spot.knot, half)], false) }
     }
 
     /// The direction in which a mark stands off the line.
@@ -231,7 +231,7 @@ impl Placing<'_> {
             let at = root + length * (t * away + lean * t.powf(late) * spot.tangent);
             Rib { at, ..Rib::on(spot.knot, half(t)) }
         };
-        Ribbon { round: false, ..self.ribbon((0..=JOINTS).map(rib).collect(), false) }
+        Ribbon { round: [false; 2], ..self.ribbon((0..=JOINTS).map(rib).collect(), false) }
     }
 }
 

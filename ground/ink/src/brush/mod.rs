@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! centre line + u + id ─Spine→ smoothed, refined ─Brush→ Ribbons ─pieces→ tiles of coverage ─→ pixels
-//!                                                            └─outlines→ closed curves for SVG
+//!                                                            ├─Halos, outlines→ closed curves for SVG
+//!                                                            └─tones→ filled outlines of grain
 //! ```
 //!
 //! Everything that varies along a stroke (pressure, wobble, grain, the places of dashes, dots,
@@ -11,9 +12,11 @@
 //! measured from the ends that are seen.
 //!
 //! Not guaranteed: a texture is torn apart on the inside of a turn that is tighter than half the
-//! width, where the nearest piece counts; outlines have no grain.
+//! width, where the nearest piece counts.
 
+mod contour;
 mod grain;
+mod halo;
 mod knob;
 mod marks;
 mod noise;
@@ -22,8 +25,10 @@ mod ribbon;
 mod spine;
 mod strip;
 mod texture;
+mod trace;
 mod width;
 
+pub use halo::Halos;
 pub use knob::{Brush, Cap, Grain, Mark, Side};
 pub use marks::{ribbons, rim};
 pub use noise::Axis;
@@ -31,3 +36,4 @@ pub use paint::{Stroke, paint};
 pub use ribbon::{Rib, Ribbon};
 pub use spine::{Knot, Spine};
 pub use texture::Texture;
+pub use trace::{Tone, tones};

@@ -12,6 +12,7 @@ use super::grain::{Inking, Place};
 use super::knob::Brush;
 use super::marks::{band, ribbons};
 use super::noise::Axis;
+use super::ribbon::Ribbon;
 use super::spine::Spine;
 use super::strip::{Hit, Piece, pieces};
 use super::texture::Texture;
@@ -23,7 +24,7 @@ use rayon::prelude::*;
 /// Pixels on a tile's side.
 const TILE: usize = 64;
 /// A line is behind a halo if it is deeper by this, in pixels; by twice that it is gone.
-const BEHIND: f32 = 6.0;
+pub(super) const BEHIND: f32 = 6.0;
 
 /// A stroke with its brush.
 #[derive(Clone, Copy, Debug)]
@@ -67,23 +68,27 @@ struct Ready<'a> {
     band: Option<(Vec<Piece>, [f32; 2])>,
 }
 
-struct Strip {
-    pieces: Vec<Piece>,
-    erases: bool,
-    axis: Axis,
+/// A ribbon, cut up.
+pub(super) struct Strip {
+    pub(super) pieces: Vec<Piece>,
+    pub(super) erases: bool,
+    pub(super) axis: Axis,
     length: f32,
     /// u at both ends.
     ends: [f64; 2],
 }
 
+impl Strip {
+    pub(super) fn of(r: &Ribbon) -> Self {
+        let length = r.ribs.windows(2).map(|w| w[0].at.distance(w[1].at)).sum();
+        let ends = [r.ribs.first(), r.ribs.last()].map(|r| r.map_or(0.0, |r| r.u));
+        Self { pieces: pieces(r), erases: r.erases, axis: r.axis, length, ends }
+    }
+}
+
 impl<'a> Ready<'a> {
     fn of(stroke: &'a Stroke<'a>) -> Self {
-        let strip = |r: &super::ribbon::Ribbon| {
-            let length = r.ribs.windows(2).map(|w| w[0].at.distance(w[1].at)).sum();
-            let ends = [r.ribs.first(), r.ribs.last()].map(|r| r.map_or(0.0, |r| r.u));
-            Strip { pieces: pieces(r), erases: r.erases, axis: r.axis, length, ends }
-        };
-        let strips = ribbons(stroke.brush, stroke.spine).iter().map(strip).collect();
+        let strips = ribbons(stroke.brush, stroke.spine).iter().map(Strip::of).collect();
         let reach = [stroke.brush.halo, stroke.brush.rim];
         let wanted = stroke.hides && reach.iter().any(|r| *r > 0.0);
         let band = wanted.then(|| (pieces(&band(stroke.brush, stroke.spine)), reach));
@@ -245,7 +250,7 @@ impl Tile {
     }
 }
 
-fn place(hit: &Hit, strip: &Strip) -> Place {
+pub(super) fn place(hit: &Hit, strip: &Strip) -> Place {
     let [start, end] = strip.ends;
     let share = if end > start { ((hit.u - start) / (end - start)) as f32 } else { 0.0 };
     let length = [share * strip.length, strip.length];

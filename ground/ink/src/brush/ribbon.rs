@@ -25,8 +25,8 @@ pub struct Ribbon {
     pub ribs: Vec<Rib>,
     /// Whether its end is joined to its start.
     pub closed: bool,
-    /// Whether its ends are round.
-    pub round: bool,
+    /// Whether its start and its end are round.
+    pub round: [bool; 2],
     /// Whether it takes away what the ribbons of its stroke before it have drawn.
     pub erases: bool,
     /// Whose grain it has.
@@ -105,18 +105,18 @@ impl Ribbon {
             return vec![left, right];
         }
         let (first, last) = (self.ribs[0], self.ribs[self.ribs.len() - 1]);
-        let cap = |r: Rib, t: Vec2| {
+        let cap = |r: Rib, t: Vec2, round: bool| {
             let start = (-t.perp()).to_angle();
-            let wanted = self.round && r.half > 0.15;
+            let wanted = round && r.half > 0.15;
             arc(r.at, r.half, start, std::f32::consts::PI).skip(1).filter(move |_| wanted)
         };
         let (head, tail) = (tangents[0], tangents[tangents.len() - 1]);
         let mut outline: Vec<Point> = side(-1.0).map(point).collect();
-        outline.extend(cap(last, tail).map(point));
+        outline.extend(cap(last, tail, self.round[1]).map(point));
         let mut right: Vec<Point> = side(1.0).map(point).collect();
         right.reverse();
         outline.extend(right);
-        outline.extend(cap(first, -head).map(point));
+        outline.extend(cap(first, -head, self.round[0]).map(point));
         vec![outline]
     }
 }
@@ -144,7 +144,7 @@ mod tests {
             u: 2.0 * i as f64,
             depth: 0.0,
         };
-        Ribbon { ribs: (0..=10).map(rib).collect(), round, ..Ribbon::default() }
+        Ribbon { ribs: (0..=10).map(rib).collect(), round: [round; 2], ..Ribbon::default() }
     }
 
     #[test]

@@ -52,6 +52,13 @@ pub(super) struct Hit {
 }
 
 impl Hit {
+    /// How far inside the border of a line it is whose half width is `change` more than the ribbon's;
+    /// within a pixel of a flat end no farther than from that.
+    pub(super) fn inside(&self, change: f32) -> f32 {
+        let edge = (self.half + change - self.across.abs()) * self.slant;
+        if self.end < 1.0 { edge.min(self.end - 0.5) } else { edge }
+    }
+
     /// How much of the pixel a line covers whose half width is `change` more than the ribbon's. One
     /// thinner than a pixel covers its width's share.
     pub(super) fn cover(&self, change: f32) -> f32 {
@@ -64,7 +71,7 @@ impl Hit {
 /// The pieces of a ribbon, in order; a single point is one piece of no length.
 pub(super) fn pieces(ribbon: &Ribbon) -> Vec<Piece> {
     let ribs: Vec<Rib> = distinct(&ribbon.ribs);
-    let end = if ribbon.round { End::Round } else { End::Flat };
+    let [start, end] = ribbon.round.map(|round| if round { End::Round } else { End::Flat });
     match ribs.as_slice() {
         [] => return Vec::new(),
         [one] => return vec![piece([*one, *one], End::Round)],
@@ -82,7 +89,7 @@ pub(super) fn pieces(ribbon: &Ribbon) -> Vec<Piece> {
         join(&mut last, &mut first);
         (pieces[n - 1], pieces[0]) = (last, first);
     } else {
-        pieces[0].caps[0] = end;
+        pieces[0].caps[0] = start;
         pieces[n - 1].caps[1] = end;
     }
     pieces

@@ -9,9 +9,10 @@
 //! What a pen draws is ordered and reversed, layer by layer, for little travel; nothing is joined, since
 //! each stroke has its id.
 //!
-//! Grain and pictures of strokes have no outline: such strokes are even here. Rims are shapes of
-//! paper beneath the strokes; haloes, by which near lines part far ones, are in pixels alone.
-//! Pictures beneath are embedded, unless a pen draws.
+//! Grain, torn edges and pictures of strokes are filled outlines too, as a path for each tone (`-tone-2`
+//! and on): two for specks and streaks, four for washes and pictures. Where near lines part far ones by
+//! their haloes, paths end. Rims are shapes of paper beneath the strokes. Pictures beneath are embedded,
+//! unless a pen draws.
 
 use super::beneath::Beneath;
 use super::picture::frame;
@@ -20,7 +21,7 @@ use super::{Job, Shot};
 use chiaro_basis::Result;
 use chiaro_image::codec;
 use chiaro_image::colour::to_byte;
-use chiaro_ink::brush::{Rib, Ribbon, ribbons, rim};
+use chiaro_ink::brush::{Halos, Rib, Ribbon, Tone, ribbons, rim, tones};
 use chiaro_ink::{
     Drawing, Fit, Layer, Mark, Path, Picture, Placement, Point, Segment, Travel, fit, route,
 };
@@ -56,7 +57,8 @@ pub(super) fn svg(
     };
     let drawn = ready(shot, frame(shot, number), &job.look.lines, colours);
     let frame = frame(shot, number);
-    let mut pen = Pen { job, placement: &placement, frame, parts: BTreeMap::new() };
+    let halos = Halos::of(drawn.iter().map(|d| d.inked(&job.look.lines)));
+    let mut pen = Pen { job, placement: &placement, frame, halos, parts: BTreeMap::new() };
     let mut travel = Travel::default();
     let rims: Vec<Mark> = drawn.iter().enumerate().filter_map(|(i, d)| pen.rim(i, d)).collect();
     if !rims.is_empty() {
@@ -66,7 +68,7 @@ pub(super) fn svg(
         for kind in Kind::ALL {
             let of_kind =
                 drawn.iter().filter(|d| d.stroke.kind == kind && d.stroke.visible == visible);
-            let marks: Vec<Mark> = of_kind.filter_map(|d| pen.mark(d)).collect();
+            let marks: Vec<Mark> = of_kind.flat_map(|d| pen.marks(d)).collect();
             if !marks.is_empty() {
                 let (marks, way) = routed(marks);
                 travel = travel + way;
@@ -93,34 +95,59 @@ struct Pen<'a> {
     job: &'a Job<'a>,
     placement: &'a Placement,
     frame: &'a FilmFrame,
+    halos: Halos,
     parts: BTreeMap<(Kind, bool, u32), u32>,
 }
 
 impl Pen<'_> {
-    fn mark(&mut self, drawn: &Drawn<'_>) -> Option<Mark> {
-        let marks = ribbons(&drawn.brush, &drawn.spine);
+    fn marks(&mut self, drawn: &Drawn<'_>) -> Vec<Mark> {
         let pen = self.job.look.print.pen;
-        let mut colour = drawn.colour;
-        colour[3] *= drawn.brush.opacity;
+        let filled = pen.is_none() && drawn.brush.outline;
+        let inked = drawn.inked(&self.job.look.lines);
+        if let Some(tones) = filled.then(|| tones(&inked, &self.halos)).flatten() {
+            return self.toned(drawn, tones);
+        }
+        let marks = self.halos.part(ribbons(&drawn.brush, &drawn.spine));
         let paths = |of: &dyn Fn(&Ribbon) -> Vec<Path>| -> Vec<Path> {
             marks.iter().flat_map(of).collect()
         };
-        let filled = pen.is_none() && drawn.brush.outline;
         let outline = match filled {
             true => paths(&|r| self.outline(r)),
             false => paths(&|r| self.middle(r)),
         };
         if outline.is_empty() {
-            return None;
+            return Vec::new();
         }
         let (name, data) = (self.name(drawn), data(drawn, self.frame));
-        Some(match filled {
+        let colour = ink(drawn, 0.0, 1.0);
+        vec![match filled {
             true => Mark::Shape { name, outline, colour, data },
             false => {
                 let width = pen.unwrap_or_else(|| self.mean_width(&marks));
                 Mark::Named { name, paths: outline, width, colour, data }
             }
-        })
+        }]
+    }
+
+    /// A shape for each tone; the first has the stroke's name and what is known of it.
+    fn toned(&mut self, drawn: &Drawn<'_>, tones: Vec<Tone>) -> Vec<Mark> {
+        let name = if tones.is_empty() { String::new() } else { self.name(drawn) };
+        let mut before = 0.0;
+        let shape = |(i, tone): (usize, Tone)| {
+            let page = |o: Vec<Point>| {
+                let points: Vec<Point> = o.into_iter().map(|p| self.placement.at(p)).collect();
+                Path::through(&points, true)
+            };
+            let colour = ink(drawn, before, tone.ink);
+            before = tone.ink;
+            let (name, data) = match i {
+                0 => (name.clone(), data(drawn, self.frame)),
+                _ => (format!("{name}-tone-{}", i + 1), Vec::new()),
+            };
+            let outline = tone.outlines.into_iter().filter_map(page).collect();
+            Mark::Shape { name, outline, colour, data }
+        };
+        tones.into_iter().enumerate().map(shape).collect()
     }
 
     /// The band of paper beside a stroke that hides others; a plotter has no paper to draw with.
@@ -182,6 +209,14 @@ impl Pen<'_> {
         };
         fit(&on_page, closed, &how)
     }
+}
+
+/// The colour by which a stroke has one share of its ink where it had another before.
+fn ink(drawn: &Drawn<'_>, before: f32, wanted: f32) -> [f32; 4] {
+    let [r, g, b, a] = drawn.colour;
+    let full = a * drawn.brush.opacity;
+    let missing = (1.0 - full * before).max(1e-6);
+    [r, g, b, (full * (wanted - before) / missing).clamp(0.0, 1.0)]
 }
 
 fn place(rib: &Rib) -> Point {
