@@ -11,6 +11,8 @@ use chiaro_basis::math::Vec2;
 
 /// Hairs and thorns have this many points after their root.
 const JOINTS: usize = 6;
+/// Share of its width that each line of a double one keeps everywhere.
+const FINEST: f32 = 0.6;
 /// Marks on one stroke, at most.
 const MOST: i64 = 20_000;
 
@@ -101,12 +103,14 @@ impl Placing<'_> {
         Ribbon { ribs, closed, round, erases: false, axis: self.spine.axis }
     }
 
-    /// The outer ribbon, and the inner one that is taken away from it.
+    /// The outer ribbon, and the inner one that is taken away from it. Where a stroke comes to a point the
+    /// two lines run into one of nearly their own width: lines much finer would be specks.
     fn double(&self) -> Vec<Ribbon> {
         let line = 0.5 * self.brush.width.max(1e-6);
-        let apart = 0.5 * self.brush.gap;
-        let outer = self.line(|h| h + apart * (h / line).sqrt());
-        let inner = self.line(|h| (apart * (h / line).sqrt() - h).max(0.0));
+        let apart = |h: f32| 0.5 * self.brush.gap * (h / line).sqrt();
+        let held = |h: f32| h.max(FINEST * line);
+        let outer = self.line(|h| held(h) + apart(h));
+        let inner = self.line(|h| (apart(h) - held(h)).max(0.0));
         vec![outer, Ribbon { erases: true, ..inner }]
     }
 
