@@ -14,7 +14,7 @@ use chiaro_pbgi::compact::{Bytes, Compact};
 use chiaro_pbgi::packed::Packed;
 use chiaro_pbgi::{LightKnobs, OwnSky, file};
 use memmap2::Mmap;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -71,12 +71,28 @@ pub(crate) fn open(path: &Path, expected: &str, cap: Option<&Cap>, run: &Run) ->
     let pause = || cap.into_iter().for_each(Cap::relieve);
     let (tree, origin) = run.stage("load", 1, || file::open(bytes, &name, &pause))?;
     if origin != expected {
-        run.warn(format!(
-            "{name} was baked from another scene, light or number of surfels or bounces; \
-             far light comes from there"
-        ));
+        let made = differences(&origin, expected);
+        run.warn(format!("{name} was baked from {made}; far light comes from there"));
     }
     Ok(Baked { tree, origin })
+}
+
+/// How what a tree was made from differs from what is expected, in words.
+fn differences(made: &str, expected: &str) -> String {
+    let read = |origin| serde_json::from_str::<Map<String, Value>>(origin).unwrap_or_default();
+    let (made, expected) = (read(made), read(expected));
+    let differ = expected.keys().filter(|k| made.get(*k) != expected.get(*k));
+    let mut words: Vec<String> = differ
+        .map(|key| match (key.as_str(), made.get(key)) {
+            ("input_sha256" | "program", _) => "another scene".into(),
+            ("env_sha256", _) => "another environment".into(),
+            ("sun" | "own_sky", _) => "another sun or sky".into(),
+            (key, Some(value)) => format!("{key} = {value} (here {})", expected[key]),
+            (key, None) => format!("another {key}"),
+        })
+        .collect();
+    words.dedup();
+    if words.is_empty() { "something else".into() } else { words.join(", ") }
 }
 
 /// A map that is shared with who keeps the cap.
@@ -123,6 +139,18 @@ mod tests {
         assert!(told().contains("is empty"));
         std::fs::write(&path, b"ink").unwrap();
         assert!(told().contains("is no tree file"));
+    }
+
+    #[test]
+    fn what_a_tree_was_made_from_is_told_where_it_differs() {
+        let of = |surfels: u32, sha: &str| {
+            json!({ "surfels": surfels, "input_sha256": sha }).to_string()
+        };
+        let told = differences(&of(50_000, "a"), &of(200_000, "a"));
+        assert_eq!(told, "surfels = 50000 (here 200000)");
+        assert_eq!(differences(&of(1, "a"), &of(1, "b")), "another scene");
+        assert_eq!(differences("", &of(1, "b")), "another scene, another surfels");
+        assert_eq!(differences("{", "{}"), "something else");
     }
 
     #[test]
