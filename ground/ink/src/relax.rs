@@ -3,12 +3,15 @@
 //! Each round puts a point at the mean (1, 2, 1) / 4 of its neighbours and itself: n rounds are a
 //! Gaussian of variance n / 2 along the run, in points. No point ends farther than 0.45 from where
 //! it was, so that borders in cells of pixels stay in them, thin regions stay open, and the centres
-//! of pixels stay on their side. The ends of open runs stay.
+//! of pixels stay on their side; where a run turns back, at the end of a region a pixel wide, none
+//! farther than 0.1, so that thin regions keep their length. The ends of open runs stay.
 
 use crate::Point;
 
 /// How far a point may move, in pixels.
 const FARTHEST: f64 = 0.45;
+/// How far one at the end of a thin region may.
+const FARTHEST_AT_TIPS: f64 = 0.1;
 
 /// `points` after so many rounds.
 pub(crate) fn relaxed(points: &[Point], closed: bool, rounds: u32) -> Vec<Point> {
@@ -27,13 +30,29 @@ pub(crate) fn relaxed(points: &[Point], closed: bool, rounds: u32) -> Vec<Point>
         };
         run = (0..n).map(mean).collect();
     }
-    run.iter().zip(points).map(|(to, from)| near(*from, *to)).collect()
+    let farthest =
+        |i: usize| match (0..3).any(|k| is_tip(points, closed, (i + n + k).wrapping_sub(1))) {
+            true => FARTHEST_AT_TIPS,
+            false => FARTHEST,
+        };
+    (0..n).map(|i| near(points[i], run[i], farthest(i))).collect()
+}
+
+/// Whether a run turns back around a point, by more than a right angle within two points.
+fn is_tip(points: &[Point], closed: bool, i: usize) -> bool {
+    let n = points.len();
+    let i = i % n;
+    if n < 5 || !closed && (i < 2 || i + 2 >= n) {
+        return false;
+    }
+    let (a, b, c) = (points[(i + n - 2) % n], points[i], points[(i + 2) % n]);
+    (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < -1e-9
 }
 
 /// The point on the way from one to the other that is not too far.
-fn near(from: Point, to: Point) -> Point {
+fn near(from: Point, to: Point, farthest: f64) -> Point {
     let way = [to[0] - from[0], to[1] - from[1]];
-    let share = (FARTHEST / way[0].hypot(way[1])).min(1.0);
+    let share = (farthest / way[0].hypot(way[1])).min(1.0);
     [from[0] + share * way[0], from[1] + share * way[1]]
 }
 
@@ -71,6 +90,19 @@ mod tests {
             assert_eq!((before[0], before.last()), (after[0], after.last()));
             assert!(turning(&after) < 0.2 * turning(&before).max(5.0), "{across}");
         }
+    }
+
+    #[test]
+    fn thin_regions_keep_their_length() {
+        // A bar a pixel wide and six long, by the middles of the sides of its pixels.
+        let sides = |y: f64| (0..6).map(move |x| [f64::from(x) + 0.5, y]);
+        let mut points: Vec<Point> = sides(0.0).collect();
+        points.push([6.0, 0.5]);
+        points.extend(sides(1.0).collect::<Vec<_>>().into_iter().rev());
+        points.push([0.0, 0.5]);
+        let after = relaxed(&points, true, 3);
+        let ends = after.iter().fold((9.0f64, 0.0f64), |(l, h), p| (l.min(p[0]), h.max(p[0])));
+        assert!(ends.0 < 0.11 && ends.1 > 5.89, "{ends:?}");
     }
 
     #[test]
