@@ -491,13 +491,16 @@ fn prune(film: &mut Film, lengths: &BTreeMap<(Kind, u32), f64>, longest: f64) {
     }
 }
 
-/// Drops the ids of which no frame shows as much as `least` pixels: specks at the ends of lines.
+/// Drops the ids of which no frame shows as much as `least` pixels: specks at the ends of lines. What is left to
+/// be seen of one long edge is none.
 fn drop_brief(film: &mut Film, least: f64) {
     let mut most: BTreeMap<u32, f64> = BTreeMap::new();
     for frame in &film.frames {
         let mut here: BTreeMap<u32, f64> = BTreeMap::new();
         for s in &frame.strokes {
-            *here.entry(s.id).or_insert(0.0) += s.total();
+            let [first, last] = [s.samples[0], s.samples[s.samples.len() - 1]].map(|p| p.on_chain);
+            let is_bit = !s.closed && first.floor() == (last - 1e-9).floor();
+            *here.entry(s.id).or_insert(0.0) += if is_bit { least } else { s.total() };
         }
         for (id, length) in here {
             let longest = most.entry(id).or_insert(0.0);
@@ -589,6 +592,18 @@ fn cover(strands: &mut Strands, path: &Path, index: usize, lines: &Lines) {
             strands.stroke[start + part] = stroke(place);
             strands.weight[start + part] = share as f32;
             part += 1;
+        }
+    }
+    // What is shorter than a part of an element has the part that it is in.
+    for (stroke, run) in &shown {
+        let middle = 0.5 * (run.start + run.end);
+        let k = (middle as usize) % path.segments.len();
+        let (a, b) = (path.points[k].on_chain, path.points[k + 1].on_chain);
+        let at = a + (b - a) * path.in_space(k, middle.fract());
+        let part = start + (at * PARTS as f64) as usize;
+        if part < end && strands.stroke[part] == NONE {
+            strands.stroke[part] = *stroke;
+            strands.weight[part] = path.run_length(*run) as f32;
         }
     }
 }

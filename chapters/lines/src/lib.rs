@@ -42,6 +42,7 @@
 //! than 100 000 faces shows no line where a piece of it passes through itself.
 
 mod beside;
+mod bit;
 pub mod check;
 pub mod contour;
 mod cover;

@@ -217,7 +217,7 @@ impl Path {
     }
 
     /// The share in space of a segment's share in the picture: far halves look shorter.
-    fn in_space(&self, segment: usize, share: f64) -> f64 {
+    pub(crate) fn in_space(&self, segment: usize, share: f64) -> f64 {
         share_between([self.divisors[segment], self.divisors[segment + 1]], share)
     }
 

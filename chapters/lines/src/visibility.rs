@@ -12,6 +12,7 @@
 //! Nothing is carried over from other frames: it would only delay true changes.
 
 use crate::beside::Beside;
+use crate::bit::Bits;
 use crate::crossing::crossings;
 use crate::join::{Line, joined};
 use crate::path::{Kind, Path, Place, Segment};
@@ -107,9 +108,11 @@ pub fn visible(
         .collect();
     let mut beside = Beside::new(limits.beside);
     let outlines = joined(paths, seen, limits.gap, view);
+    let all = outlines.iter().flat_map(|l| l.parts.iter().copied()).collect();
+    let bits = Bits::of(paths, view, limits.run, all);
     let mut gone = Vec::new();
     let drawn_beside = drawn(Kind::Silhouette).then_some(&mut beside);
-    visible.lines = kept(paths, outlines, limits, drawn_beside, &mut gone);
+    visible.lines = kept(paths, outlines, &bits, drawn_beside, &mut gone);
     let parts = visible.lines.iter().flat_map(|l| &l.parts);
     if drawn(Kind::Silhouette) {
         taken.extend(parts.flat_map(|(i, r)| edges(&paths[*i], r.start, r.end)));
@@ -120,10 +123,12 @@ pub fn visible(
         beside.extend(absent(path, sight));
     }
     for i in others {
-        for run in look(i, &taken, &mut visible) {
+        let all = look(i, &taken, &mut visible);
+        let bits = Bits::of(paths, view, limits.run, all.iter().map(|r| (i, *r)).collect());
+        for run in all {
             let (left, gone) = beside.parted(&paths[i], run);
             visible.beside[i].extend(gone.iter().map(|g| Run { start: g[0], end: g[1] }));
-            for run in left.into_iter().filter(|r| paths[i].run_length(*r) >= limits.run) {
+            for run in left.into_iter().filter(|r| bits.is_drawn(i, *r)) {
                 visible.lines.push(Line::single(i, run));
                 if drawn(paths[i].kind) {
                     beside.tell(&paths[i], run);
@@ -186,13 +191,16 @@ fn strength(kind: Kind) -> usize {
 fn kept(
     paths: &[Path],
     mut lines: Vec<Line>,
-    limits: &Limits,
+    bits: &Bits<'_>,
     beside: Option<&mut Beside>,
     gone: &mut Vec<(usize, Run)>,
 ) -> Vec<Line> {
-    let seen = |l: &Line| l.total(paths) >= limits.run;
+    let shortest = bits.shortest;
+    let seen = |l: &Line| {
+        l.total(paths) >= shortest || l.parts.iter().any(|(i, run)| bits.is_drawn(*i, *run))
+    };
     let Some(beside) = beside else { return lines.into_iter().filter(seen).collect() };
-    let long = |l: &Line| l.total(paths) >= SHORT * limits.run;
+    let long = |l: &Line| l.total(paths) >= SHORT * shortest;
     lines.retain(seen);
     // Sorting is stable: among equals the first stays first.
     lines.sort_by(|a, b| b.total(paths).total_cmp(&a.total(paths)));
