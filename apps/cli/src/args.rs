@@ -127,7 +127,7 @@ pub(crate) enum Command {
     },
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
-        /// Which: 2.3, 3.4 to 3.16, table-3.1, 4.1 to 4.15, 4.events, 4.lines, 4.textures,
+        /// Which: 2.3, 3.4 to 3.16, table-3.1, 4.1 to 4.15, 4.events, 4.ids, 4.lines, 4.textures,
         /// 4.styles, 4.character, 6.1, 6.5 to 6.10, 6.rate, 6.books, table-6.1 to table-6.3, baselines,
         /// flicker, methods, strokes; none means all but 6.rate, 6.books and the last three.
         names: Vec<String>,

@@ -262,7 +262,9 @@ fn event_picture(shot: &Shot, event: &FilmEvent, after: bool) -> Plane<[u8; 3]> 
         line
     };
     canvas.lines(&frame.hidden.iter().map(near).collect::<Vec<_>>(), 1.2, GREY);
-    canvas.lines(&frame.strokes.iter().map(near).collect::<Vec<_>>(), 2.0, BLACK);
+    // Lines that are parted in name alone are drawn in one piece.
+    let seen = chiaro_lines::parameter::whole(&frame.strokes);
+    canvas.lines(&seen.iter().map(|s| near(s)).collect::<Vec<_>>(), 2.0, BLACK);
     canvas.lines(&mark(EventKind::Birth, middle, 14.0), 1.5, RED);
     canvas.done()
 }

@@ -1,4 +1,4 @@
-//! Figures 4.3 and 4.events: the surface that lines sweep, and the lives of its lines.
+//! Figures 4.3, 4.events and 4.ids: the surface that lines sweep, the lives of its lines, and their ids.
 
 use super::Figure;
 use super::chapter4::{BLACK, Canvas, GREY, OBJECT, RED, mark, shot};
@@ -11,7 +11,7 @@ use chiaro_lines::track::EventKind;
 use chiaro_lines::{Film, LinesKnobs};
 use std::collections::BTreeMap;
 
-pub(super) const FIGURES: [Figure; 2] = [
+pub(super) const FIGURES: [Figure; 3] = [
     Figure {
         name: "4.3",
         title: "principle",
@@ -27,6 +27,14 @@ pub(super) const FIGURES: [Figure; 2] = [
                   longer; rings: births, dots: deaths, crosses: saddles, where bars meet and part.",
         columns: 2,
         draw: lives,
+    },
+    Figure {
+        name: "4.ids",
+        title: "one colour an id",
+        message: "Every fourth frame of a film: a line has its colour for as long as it is followed, \
+                  also where it merges with another or is hidden for a while.",
+        columns: 4,
+        draw: ids,
     },
 ];
 
@@ -58,6 +66,19 @@ fn principle(sheet: &mut Sheet, run: &Run) -> Result<()> {
             canvas.lines(&slice, 1.6, if i == 0 { BLACK } else { GREY });
         }
         sheet.add(canvas.done(), format!("{scene}, every seventh of {FRAMES} frames"));
+    }
+    Ok(())
+}
+
+fn ids(sheet: &mut Sheet, run: &Run) -> Result<()> {
+    let size = (300, 225);
+    let shot = shot(OBJECT, 48, size, &LinesKnobs::default(), run)?;
+    for (i, frame) in shot.film.frames.iter().enumerate().step_by(4) {
+        let mut canvas = Canvas::new(size);
+        for stroke in &frame.strokes {
+            canvas.lines(&[picture::polyline(stroke)], 2.0, picture::id_colour(stroke.id));
+        }
+        sheet.add(canvas.done(), format!("{OBJECT}, frame {}", i + 1));
     }
     Ok(())
 }
