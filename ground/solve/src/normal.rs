@@ -15,6 +15,8 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The rows leave an unknown free, or a weight is no finite number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,16 +45,26 @@ struct Part {
     numbers: Vec<u32>,
     /// For each row in turn, for each pair of its entries (i, j <= i), the place of their product.
     places: Vec<u32>,
-    symbolic: Option<SymbolicCholesky<usize>>,
+    symbolic: Option<Arc<SymbolicCholesky<usize>>>,
 }
 
 impl Normal {
     /// Lays out and factors the pattern of some equations.
     pub fn new(rows: &Rows) -> Self {
+        Self::after(rows, None)
+    }
+
+    /// The same where equations like these were factored `before`: parts whose pattern they share are not
+    /// factored again. Solutions are those that [`Normal::new`] leads to, bit for bit.
+    pub fn after(rows: &Rows, before: Option<&Self>) -> Self {
         let (members, equations, local) = parts_of(rows);
+        let mut known: BTreeMap<[usize; 2], Vec<&Part>> = BTreeMap::new();
+        for part in before.into_iter().flat_map(|b| &b.parts) {
+            known.entry(part.size()).or_default().push(part);
+        }
         let parts = members.into_par_iter().zip(equations);
-        let parts = parts.map(|(unknowns, own)| Part::new(rows, unknowns, own, &local)).collect();
-        Self { rows: rows.clone(), parts }
+        let part = |(unknowns, own)| Part::new(rows, (unknowns, own), &local, &known);
+        Self { rows: rows.clone(), parts: parts.map(part).collect() }
     }
 
     /// The equations.
@@ -165,8 +177,25 @@ fn triangle<I: Iterator<Item = (usize, usize)>>(
     (starts, below)
 }
 
+/// The pattern of the factor of a lower triangle.
+fn factored(n: usize, starts: &[usize], below: &[usize]) -> Option<SymbolicCholesky<usize>> {
+    let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, below);
+    let params = CholeskySymbolicParams::default();
+    factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params).ok()
+}
+
 impl Part {
-    fn new(rows: &Rows, unknowns: Vec<u32>, own: Vec<u32>, local: &[u32]) -> Self {
+    /// Unknowns and entries.
+    fn size(&self) -> [usize; 2] {
+        [self.unknowns.len(), self.below.len()]
+    }
+
+    fn new(
+        rows: &Rows,
+        (unknowns, own): (Vec<u32>, Vec<u32>),
+        local: &[u32],
+        known: &BTreeMap<[usize; 2], Vec<&Self>>,
+    ) -> Self {
         let n = unknowns.len();
         let all = || own.iter().flat_map(|r| pairs(rows.row(*r as usize), local));
         let (starts, below) = triangle(n, || all().map(|(column, row, _)| (column, row)));
@@ -178,10 +207,12 @@ impl Part {
         let places = all().map(place).collect();
         let entries = own.iter().flat_map(|r| rows.row(*r as usize));
         let numbers = entries.map(|(i, _)| local[*i as usize]).collect();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &below);
-        let params = CholeskySymbolicParams::default();
-        let symbolic =
-            factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params).ok();
+        let same = |p: &&&Self| p.starts == starts && p.below == below;
+        let known = known.get(&[n, below.len()]).and_then(|parts| parts.iter().find(same));
+        let symbolic = match known {
+            Some(part) => part.symbolic.clone(),
+            None => factored(n, &starts, &below).map(Arc::new),
+        };
         Self { unknowns, rows: own, starts, below, numbers, places, symbolic }
     }
 

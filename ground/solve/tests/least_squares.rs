@@ -56,6 +56,13 @@ proptest! {
         for (a, b) in found.iter().zip(&expected) {
             prop_assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{a} {b}");
         }
+        // What was factored before serves again where patterns are the same, bit for bit.
+        let mut more = rows.clone();
+        more.push(&[(0, 1.0), (11, -1.0)]);
+        for before in [&normal, &Normal::new(&more)] {
+            let again = Normal::after(&rows, Some(before)).solve(&weights, &right).unwrap();
+            prop_assert_eq!(&again, &found);
+        }
         // The pattern serves other weights.
         let other: Vec<f64> = weights.iter().map(|w| w * w + 0.5).collect();
         let (found, expected) = (normal.solve(&other, &right).unwrap(), dense(&rows, &other, &right));

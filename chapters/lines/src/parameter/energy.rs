@@ -66,7 +66,8 @@ pub(crate) struct Energy {
 }
 
 impl Energy {
-    pub(crate) fn of(net: &Net, setting: &Setting<'_>) -> Self {
+    /// The rows of a net; patterns that they share with those `before` are not factored again.
+    pub(crate) fn of(net: &Net, setting: &Setting<'_>, before: Option<&Self>) -> Self {
         let mut rows = Rows::new(net.unknowns);
         let mut stretches = Vec::new();
         for (l, line) in net.lines.iter().enumerate() {
@@ -104,7 +105,7 @@ impl Energy {
         for (l, line) in net.lines.iter().enumerate() {
             rows.push(&[(line.first, setting.scale[l])]);
         }
-        let normal = Normal::new(&rows);
+        let normal = Normal::after(&rows, before.map(|b| &b.normal));
         Self { normal, stretches, links, ends, anchors: net.lines.len() }
     }
 

@@ -37,7 +37,7 @@ use crate::knob::{Cuts, LinesKnobs, Links, Method, Texture};
 use chiaro_basis::{Error, Result, Run};
 use cut::Kept;
 use energy::{Energy, Setting};
-use net::Net;
+use net::{Found, Net};
 use part::{Parts, Whole};
 use std::collections::BTreeMap;
 
@@ -137,14 +137,16 @@ impl Parameters {
     pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         seam::carry(film);
         let sigma = f64::from(knobs.sliding_limit);
-        let linked =
-            |film: &Film, anneal: &[f64]| Self::linked(film, spacing, knobs, (anneal, run));
-        let mut made = linked(film, &cut::ANNEAL)?;
+        let mut found = Found::default();
+        let mut linked = |film: &Film, anneal: &[f64], before: Option<&Self>| {
+            Self::linked(film, spacing, knobs, (anneal, run), (&mut found, before))
+        };
+        let mut made = linked(film, &cut::ANNEAL, None)?;
         if matches!(knobs.cuts, Cuts::Both | Cuts::Events | Cuts::Unpaired) {
             let paired = knobs.cuts != Cuts::Unpaired;
             let (places, saved) = chart::events(&made.net, paired, sigma, None);
             split::split(film, &made.net, &places);
-            made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN)? };
+            made = Self { saved: Some(saved), ..linked(film, &cut::AGAIN, Some(&made))? };
         }
         let to_charts = matches!(knobs.cuts, Cuts::Charts | Cuts::Both);
         for _ in 0..if to_charts { ROUNDS } else { 0 } {
@@ -153,10 +155,10 @@ impl Parameters {
             if split::split(film, &made.net, &places).0 == 0 {
                 break;
             }
-            made = Self { saved: made.saved, ..linked(film, &cut::AGAIN)? };
+            made = Self { saved: made.saved, ..linked(film, &cut::AGAIN, Some(&made))? };
         }
         let swept = knobs.links == Links::Swept;
-        made.parts = Parts::of(film, &made.whole(), to_charts.then_some(sigma), swept);
+        made.parts = Parts::of(film, &made.whole(), to_charts.then_some(sigma), (swept, found));
         let period: Vec<Option<f64>> =
             made.parts.origins.iter().map(|o| made.period[o.line as usize]).collect();
         made.textures = textures(&made.parts.components, &period);
@@ -169,21 +171,22 @@ impl Parameters {
         Whole { net, kept, scale, period }
     }
 
-    /// Finds links and judges them.
+    /// Finds links and judges them, anew where strokes changed since they were `found` and factored.
     fn linked(
         film: &Film,
         spacing: &[f64],
         knobs: &LinesKnobs,
         (anneal, run): (&[f64], &Run),
+        (found, before): (&mut Found, Option<&Self>),
     ) -> Result<Self> {
-        let mut net = Net::of(film, knobs.links == Links::Swept);
+        let mut net = Net::of(film, knobs.links == Links::Swept, found);
         let stretched = knobs.texture == Texture::Stretched;
         let (scale, period) = sizes(film, &net, knobs);
         let lines = &net.lines;
         net.links.retain(|l| !crosses_seam(lines, l, &period));
         let dt = intervals(film.frames.len(), spacing);
         let setting = Setting { scale: &scale, period: &period, dt: &dt, stretched };
-        let energy = Energy::of(&net, &setting);
+        let energy = Energy::of(&net, &setting, before.map(|b| &b.energy));
         let kept = match knobs.cuts {
             Cuts::None => cut::all(&net, &energy, &scale, &period),
             _ => {

@@ -10,6 +10,7 @@ use crate::partner::Partner;
 use crate::stroke::Stroke;
 use chiaro_basis::math::DVec2;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// A material point finds its line within this distance, pixels.
 pub(crate) const REACH: f64 = 8.0;
@@ -83,10 +84,23 @@ impl Line {
     }
 }
 
+/// Links as they were found, so that frames which nothing happened to are not searched again.
+#[derive(Default)]
+pub(crate) struct Found {
+    lines: Vec<Line>,
+    frames: Vec<u32>,
+    /// Of each line.
+    ids: Vec<u32>,
+    /// Of each frame with the next.
+    links: Vec<Vec<Link>>,
+}
+
 impl Net {
-    /// The lines of a film and their links; `swept` ones follow S where it is known.
-    pub(crate) fn of(film: &Film, swept: bool) -> Self {
+    /// The lines of a film and their links; `swept` ones follow S where it is known. What was `found` of
+    /// the film before some of its strokes were cut or named otherwise holds for frames that it did not touch.
+    pub(crate) fn of(film: &Film, swept: bool, found: &mut Found) -> Self {
         let mut net = Self { lines: Vec::new(), frames: vec![0], links: Vec::new(), unknowns: 0 };
+        let mut ids = Vec::new();
         for (f, frame) in film.frames.iter().enumerate() {
             for s in strokes(frame) {
                 let count = s.samples.len() as u32;
@@ -97,13 +111,19 @@ impl Net {
                     closed: s.closed,
                     length: s.length.clone(),
                 });
+                ids.push(s.id);
                 net.unknowns += count as usize;
             }
             net.frames.push(net.lines.len() as u32);
         }
         let pairs = 0..film.frames.len().saturating_sub(1);
-        let links = pairs.into_par_iter().map(|f| net.between(film, f, swept));
-        net.links = links.collect::<Vec<_>>().concat();
+        let same = found.same(&net, &ids);
+        let links = pairs
+            .into_par_iter()
+            .map(|f| net.between((film, f), swept, &found.again(&net, &same, f)));
+        let links: Vec<Vec<Link>> = links.collect();
+        net.links = links.concat();
+        *found = Found { lines: net.lines.clone(), frames: net.frames.clone(), ids, links };
         net
     }
 
@@ -112,7 +132,13 @@ impl Net {
         self.frames[frame] as usize..self.frames[frame + 1] as usize
     }
 
-    fn between(&self, film: &Film, f: usize, swept: bool) -> Vec<Link> {
+    /// The links of a frame with the next; those that hold `again`, by their samples, are not looked for.
+    fn between(
+        &self,
+        (film, f): (&Film, usize),
+        swept: bool,
+        again: &BTreeMap<u32, Link>,
+    ) -> Vec<Link> {
         let (here, next) = (&film.frames[f], &film.frames[f + 1]);
         if next.begins {
             return Vec::new();
@@ -123,6 +149,10 @@ impl Net {
         let mut links = Vec::new();
         for (i, (line, stroke)) in self.of_frame(f).zip(strokes(here)).enumerate() {
             for j in 0..stroke.samples.len() {
+                if let Some(link) = again.get(&(self.lines[line].first + j as u32)) {
+                    links.push(*link);
+                    continue;
+                }
                 let swept = along.get(i).and_then(|a| a[j]).filter(|p| meets(p, &there));
                 let found = match swept {
                     Some(p) => Some((p.stroke, p.segment, p.share)),
@@ -151,6 +181,51 @@ impl Net {
             lines: [line as u32, to as u32],
             weight: weight(own, j as usize),
         }
+    }
+}
+
+impl Found {
+    /// For each line of before what it is now, if it is as it was and ids are the same as far as they were.
+    fn same(&self, net: &Net, ids: &[u32]) -> Vec<Option<u32>> {
+        let mut same = vec![None; self.lines.len()];
+        for f in 0..self.frames.len().saturating_sub(1).min(net.frames.len() - 1) {
+            let old = self.frames[f] as usize..self.frames[f + 1] as usize;
+            let mut new = net.of_frame(f);
+            for old in old {
+                // Cut lines stand where the whole one did: the next that is like this one is this one.
+                let a = &self.lines[old];
+                let like =
+                    |b: &Line| a.count == b.count && a.closed == b.closed && a.length == b.length;
+                let mut ahead = new.clone();
+                if let Some(found) = ahead.find(|b| like(&net.lines[*b])) {
+                    same[old] = Some(found as u32);
+                    new = ahead;
+                }
+            }
+        }
+        let (mut there, mut back) = (BTreeMap::new(), BTreeMap::new());
+        let pairs =
+            || same.iter().enumerate().filter_map(|(old, new)| Some((old, (*new)? as usize)));
+        let named = pairs().all(|(old, new)| {
+            let (was, is) = (self.ids[old], ids[new]);
+            *there.entry(was).or_insert(is) == is && *back.entry(is).or_insert(was) == was
+        });
+        if named { same } else { vec![None; self.lines.len()] }
+    }
+
+    /// Links of a frame with the next, between lines that are as they were, by the samples they are of.
+    fn again(&self, net: &Net, same: &[Option<u32>], f: usize) -> BTreeMap<u32, Link> {
+        let moved = |link: &Link| {
+            let [a, b] = link.lines.map(|l| same[l as usize]);
+            let lines = [a?, b?];
+            let first = |lines: &[Line], line: u32| lines[line as usize].first;
+            let at = |i: usize, unknown: u32| {
+                unknown - first(&self.lines, link.lines[i]) + first(&net.lines, lines[i])
+            };
+            let from = at(0, link.from);
+            Some((from, Link { from, to: link.to.map(|k| at(1, k)), lines, ..*link }))
+        };
+        self.links.get(f).into_iter().flatten().filter_map(moved).collect()
     }
 }
 

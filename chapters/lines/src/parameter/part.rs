@@ -6,7 +6,7 @@
 
 use super::chart::{self, Place};
 use super::cut::{Kept, trusted};
-use super::net::{Line, Link, Net};
+use super::net::{Found, Line, Link, Net};
 use super::{ROUNDS, crosses_seam, name, net, split};
 use crate::film::Film;
 use crate::stroke::Stroke;
@@ -42,8 +42,13 @@ pub(crate) struct Parts {
 
 impl Parts {
     /// Names the strokes of a film, parts them where two ids meet if `sigma` is given, and names them
-    /// again.
-    pub(crate) fn of(film: &mut Film, whole: &Whole<'_>, sigma: Option<f64>, swept: bool) -> Self {
+    /// again. Links are looked for where they may differ from those that were `found`.
+    pub(crate) fn of(
+        film: &mut Film,
+        whole: &Whole<'_>,
+        sigma: Option<f64>,
+        (swept, mut found): (bool, Found),
+    ) -> Self {
         let lines = 0..whole.net.lines.len() as u32;
         let mut origins: Vec<Origin> =
             lines.map(|line| Origin { line, from: 0.0, turns: 0.0 }).collect();
@@ -59,7 +64,7 @@ impl Parts {
                 break;
             }
             origins = from.iter().map(|o| whole.origin(&origins, o)).collect();
-            let net = Net::of(film, swept);
+            let net = Net::of(film, swept, &mut found);
             let (net, kept, scale) = whole.parted(net, &mut origins, sigma);
             ids = named(film, &net, &kept, &scale);
             components = chart::components(&net, &kept.trust, &ids);

@@ -49,7 +49,9 @@ pub(super) fn methods(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
     let mut values = Vec::new();
     for scene in scenes {
         run.check()?;
+        let start = Instant::now();
         let found = found(scene, run)?;
+        let found_seconds = start.elapsed().as_secs_f64();
         let spacing = vec![1.0 / 24.0; found.frames.len()];
         let mut rows = Vec::new();
         for (name, colour, method, cuts) in [
@@ -71,7 +73,7 @@ pub(super) fn methods(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
         }
         let (curve, again) = curve(&found, &spacing, run)?;
         sheet.add(plot(&rows, &curve).done(), caption(scene, &rows, again));
-        values.extend(rows.iter().map(|row| value(scene, row)));
+        values.extend(rows.iter().map(|row| value(scene, row, found_seconds)));
         values.extend(curve.iter().map(|(c, q)| point(scene, *c, q)));
     }
     Ok(values)
@@ -168,7 +170,7 @@ fn caption(scene: &str, rows: &[Row], again: f64) -> String {
     format!("{name}: {}; control {:.0} ms", all.join(", "), 1e3 * again)
 }
 
-fn value(scene: &str, row: &Row) -> Value {
+fn value(scene: &str, row: &Row, found_seconds: f64) -> Value {
     let mut map = Map::new();
     map.insert("scene".into(), scene.into());
     map.insert("method".into(), row.name.into());
@@ -189,6 +191,8 @@ fn value(scene: &str, row: &Row) -> Value {
         map.insert("paired".into(), saved.paired.into());
         map.insert("cut_places".into(), saved.cut_places.into());
     }
+    // Load, visibility and tracking, once for all methods; then what the method takes.
+    map.insert("find_seconds".into(), found_seconds.into());
     map.insert("solve_seconds".into(), row.seconds.into());
     Value::Object(map)
 }
