@@ -19,7 +19,7 @@ use chiaro_trace::{GBuffer, Vertex};
 pub(crate) type Light = [f32; 4];
 
 /// The ball around a cluster in which rays look.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ball {
     pub(crate) centre: Vec3,
     /// D.
@@ -33,6 +33,11 @@ impl Ball {
         let centre = Bounds::of(pixels.iter().map(place)).centre();
         let radius = pixels.iter().map(|p| place(p).distance(centre)).fold(0.0, f32::max);
         Self { centre, radius: least.max(reach * radius) }
+    }
+
+    /// Whether a place is inside.
+    pub(crate) fn holds(&self, place: Vec3) -> bool {
+        place.distance_squared(self.centre) <= self.radius * self.radius
     }
 
     /// How far a ray goes inside the ball; nothing when it starts outside.

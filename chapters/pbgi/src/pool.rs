@@ -8,8 +8,9 @@
 
 mod opening;
 
-use crate::field::Light;
+use crate::field::{Ball, Light};
 use crate::receiver::Receiver;
+use chiaro_basis::math::Vec3;
 pub(crate) use opening::open;
 use std::f32::consts::PI;
 
@@ -18,6 +19,8 @@ pub(crate) const SIDE: usize = 4;
 pub(crate) const STEP: usize = SIDE / 2;
 /// Receivers share within so many footprints, as long as they are on the surface.
 const NEAR: f32 = 9.0;
+/// The most by which sums of far fields may be over what rays look up.
+const MOST_SHARE: f32 = 2.0;
 /// The weight of a block at each of its columns or rows; those of all blocks sum to 1.
 const FADE: [f32; SIDE] = [0.25, 0.75, 0.75, 0.25];
 
@@ -35,6 +38,8 @@ struct Group {
     normal: [Lanes; 3],
     side: [Lanes; 3],
     rays: Lanes,
+    /// The balls in which they look, and each one's share of each.
+    parts: Vec<(Ball, Lanes)>,
 }
 
 impl Group {
@@ -47,6 +52,7 @@ impl Group {
             normal: [zero; 3],
             side: [zero; 3],
             rays: zero,
+            parts: Vec::with_capacity(4),
         }
     }
 
@@ -60,6 +66,31 @@ impl Group {
             self.side[c][k] = receiver.at.side[c];
         }
         self.rays[k] = receiver.rays as f32;
+        for (share, ball) in receiver.parts.iter().filter(|(share, _)| *share > 0.0) {
+            let known = self.parts.iter().position(|(b, _)| b == ball);
+            let i = known.unwrap_or_else(|| {
+                self.parts.push((*ball, [0.0; LANES]));
+                self.parts.len() - 1
+            });
+            self.parts[i].1[k] += share;
+        }
+    }
+
+    /// By how much light that was met at a place counts for each receiver: its own term, as far as its balls hold
+    /// the place, over the terms of all who look there.
+    fn weights(&self, place: Vec3) -> Option<Lanes> {
+        let mut terms = self.terms(place.to_array());
+        let mut found: f32 = terms.iter().zip(&self.rays).map(|(t, n)| t * n).sum();
+        if self.parts.iter().any(|(ball, _)| !ball.holds(place)) {
+            let mut within = [0.0; LANES];
+            for (_, shares) in self.parts.iter().filter(|(ball, _)| ball.holds(place)) {
+                (0..LANES).for_each(|k| within[k] += shares[k]);
+            }
+            let looks = |k: usize| if within[k] > 0.0 { terms[k] * self.rays[k] } else { 0.0 };
+            found = (0..LANES).map(looks).sum();
+            (0..LANES).for_each(|k| terms[k] *= within[k]);
+        }
+        (found > 0.0 && found.is_finite()).then(|| terms.map(|t| t * (PI / found)))
     }
 
     /// The terms of cosine density per area at a place, for all receivers.
@@ -116,24 +147,108 @@ fn are_near(a: &Receiver, b: &Receiver) -> bool {
     offset.length() <= NEAR * stretch * footprint
 }
 
+/// How much of the far light that rays of some receivers look up is among the sums of their far fields, by
+/// which near light replaces it (a ratio estimator): seen from beside the centre, texels overlap and part.
+fn looked_up<'a>(receivers: impl Iterator<Item = &'a Receiver>) -> Light {
+    let (mut summed, mut looked) = ([0.0; 4], [0.0; 4]);
+    for r in receivers.filter(|r| r.looked > 0) {
+        (0..4).for_each(|c| {
+            summed[c] += r.looked as f32 * r.far[c];
+            looked[c] += PI * r.looked_up[c];
+        });
+    }
+    std::array::from_fn(|c| match looked[c] > 0.0 {
+        true => (summed[c] / looked[c]).min(MOST_SHARE),
+        false => 1.0,
+    })
+}
+
 /// Shares the hits of some receivers among them.
 fn share(receivers: &[Option<&Receiver>; LANES], some: &[usize], pooled: &mut Pooled) {
     let mut group = Group::new();
     let members = || some.iter().filter_map(|&i| receivers[i].map(|r| (i, r)));
     members().for_each(|(i, r)| group.add(i, r));
+    let share = looked_up(members().map(|(_, r)| r));
     let mut sum = [[0.0; LANES]; 4];
     for hit in members().flat_map(|(_, r)| &r.hits) {
-        let terms = group.terms(hit.position.to_array());
-        let found: f32 = terms.iter().zip(&group.rays).map(|(t, n)| t * n).sum();
-        if found <= 0.0 || !found.is_finite() {
-            continue;
-        }
-        let scale = PI / found;
-        for (sum, light) in sum.iter_mut().zip(hit.light) {
-            (0..LANES).for_each(|k| sum[k] += terms[k] * (light * scale));
+        let Some(weights) = group.weights(hit.position) else { continue };
+        for (sum, light) in sum.iter_mut().zip(hit.light(&share)) {
+            (0..LANES).for_each(|k| sum[k] += weights[k] * light);
         }
     }
     for k in 0..group.lanes {
         pooled[group.place[k]].1 = std::array::from_fn(|c| sum[c][k]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::receiver::Residual;
+    use chiaro_trace::{Sequence, Vertex};
+
+    const RAYS: u32 = 256;
+
+    /// A receiver on a floor, facing up.
+    fn receiver(x: f32, ball: Ball) -> Receiver {
+        let position = Vec3::new(x, 0.0, 0.0);
+        let at = Vertex {
+            position,
+            lifted: position,
+            side: Vec3::Y,
+            smooth: Vec3::Y,
+            normal: Vec3::Y,
+            albedo: [1.0; 3],
+            emission: [0.0; 3],
+            offset: 0.0,
+        };
+        let mut receiver = Receiver::of(at, (0, 0), (1.0, 1.0));
+        receiver.parts[0] = (1.0, ball);
+        receiver.rays = RAYS;
+        receiver
+    }
+
+    /// Rays to a ceiling of this light, as far as the ball goes; far light in all directions.
+    fn look(receiver: &mut Receiver, own: Light, far: Light) {
+        let sequence = Sequence::new(receiver.at.position.x.to_bits().into());
+        for k in 0..RAYS {
+            let direction = receiver.at.cosine_direction(sequence.point(k, 0));
+            let position = receiver.at.position + direction / direction.y;
+            (0..4).for_each(|c| receiver.looked_up[c] += far[c]);
+            receiver.looked += 1;
+            if receiver.parts[0].1.holds(position) {
+                receiver.hits.push(Residual { position, own, far });
+            }
+        }
+    }
+
+    fn pooled(receivers: &[Receiver]) -> Vec<Light> {
+        let all = pool(&std::array::from_fn(|i| receivers.get(i)));
+        all.iter().take(receivers.len()).map(|p| p.1).collect()
+    }
+
+    /// One looks within a ball around it, the other everywhere: each receives what its own ball holds.
+    #[test]
+    fn receivers_have_the_light_of_their_own_balls() {
+        let balls = [1.5, f32::INFINITY].map(|radius| Ball { centre: Vec3::ZERO, radius });
+        let mut both = [receiver(0.0, balls[0]), receiver(0.5, balls[1])];
+        both.iter_mut().for_each(|r| look(r, [1.0; 4], [0.0; 4]));
+        let light = pooled(&both);
+        let within = PI * (1.0 - 1.0 / (1.5 * 1.5));
+        assert!((light[0][0] / within - 1.0).abs() < 0.03, "{light:?}");
+        assert!((light[1][0] / PI - 1.0).abs() < 0.03, "{light:?}");
+    }
+
+    /// Rays look up twice what the sums of the far fields hold.
+    #[test]
+    fn what_hides_all_takes_back_what_the_far_fields_gave() {
+        let everywhere = Ball { centre: Vec3::ZERO, radius: f32::INFINITY };
+        let mut one = receiver(0.0, everywhere);
+        one.far = [1.0, 2.0, 3.0, 1.5];
+        let far = one.far.map(|f| 2.0 * f / PI);
+        look(&mut one, [0.0; 4], far);
+        let given = one.far;
+        let light = pooled(&[one])[0];
+        assert!((0..4).all(|c| (light[c] + given[c]).abs() < 1e-3), "{light:?}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cluster::Pixel;
 use crate::cube::CubeShape;
-use crate::field::{Field, Light};
+use crate::field::{Ball, Field, Light};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
 use crate::near;
@@ -15,14 +15,26 @@ use chiaro_trace::{GBuffer, Sequence, Sides, Tracer, Vertex};
 const LEAST_COSINE: f32 = 0.1;
 /// Fields that a receiver mixes, at most.
 const MOST_PARTS: usize = 4;
+/// The ball of rays without an end.
+const EVERYWHERE: (f32, Ball) = (1.0, Ball { centre: Vec3::ZERO, radius: f32::INFINITY });
+const NOWHERE: (f32, Ball) = (0.0, Ball { centre: Vec3::ZERO, radius: 0.0 });
 /// Pixels along a side of the lattice's pattern.
 const PATTERN: usize = 4;
 
-/// What a near ray found, less what the far fields say in its direction.
+/// What a near ray found, and what the far fields whose balls hold it say in its direction, by the mean of
+/// their shares.
 #[derive(Clone, Copy)]
 pub(crate) struct Residual {
     pub(crate) position: Vec3,
-    pub(crate) light: Light,
+    pub(crate) own: Light,
+    pub(crate) far: Light,
+}
+
+impl Residual {
+    /// What was found less the far light, of which so much is among the sums of the far fields.
+    pub(crate) fn light(&self, share: &Light) -> Light {
+        std::array::from_fn(|c| self.own[c] - share[c] * self.far[c])
+    }
 }
 
 /// A pixel that gathers.
@@ -33,10 +45,17 @@ pub(crate) struct Receiver {
     pub(crate) footprint: f32,
     /// How many times longer a pixel is on the surface.
     pub(crate) stretch: f32,
+    /// The balls in which its rays look, and their shares.
+    pub(crate) parts: [(f32, Ball); MOST_PARTS],
     /// Near rays cast.
     pub(crate) rays: u32,
     /// Those that hit.
     pub(crate) hits: Vec<Residual>,
+    /// Rays along which far light was looked up, whether they hit or not, and its sum.
+    pub(crate) looked: u32,
+    pub(crate) looked_up: Light,
+    /// Irradiance by the far fields.
+    pub(crate) far: Light,
     /// What the far fields leave open, where that is wanted.
     pub(crate) opening: Opening,
 }
@@ -83,25 +102,47 @@ impl Receiver {
         let (x, y) = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let (_, direction) = buffer.pose.ray(x, y, w as f32, h as f32);
         let stretch = 1.0 / direction.dot(at.side).abs().max(LEAST_COSINE);
-        Self { pixel, at, footprint, stretch, rays: 0, hits: Vec::new(), opening: [0.0; 6] }
+        Self::of(at, pixel, (footprint, stretch))
     }
 
-    /// Casts near rays up to number `until`; a hit counts for every field whose ball holds it, less
+    /// A receiver that has not looked yet, its pixel so wide and so many times longer on the surface.
+    pub(crate) fn of(at: Vertex, pixel: Pixel, (footprint, stretch): (f32, f32)) -> Self {
+        Self {
+            pixel,
+            at,
+            footprint,
+            stretch,
+            parts: [EVERYWHERE, NOWHERE, NOWHERE, NOWHERE],
+            rays: 0,
+            hits: Vec::new(),
+            looked: 0,
+            looked_up: [0.0; 4],
+            far: [0.0; 4],
+            opening: [0.0; 6],
+        }
+    }
+
+    /// Casts near rays up to number `until`; a hit counts for every field whose ball holds it, beside
     /// that field's own light in this direction. What is farther than `occlusion` does not occlude.
+    /// Rays after the first `blind` ones look up far light where they miss, too.
     pub(crate) fn cast<T: Hierarchy>(
         &mut self,
         scene: &Prepared<T>,
         mix: &Mix,
         (lattice, kind): (&Lattice, usize),
-        until: u32,
+        (until, blind): (u32, u32),
         occlusion: f32,
     ) {
         let at = self.at;
-        let sequence = self.sequence();
+        // The hits of a block share out one sequence, all blocks the same: noise would be mottles.
+        let sequence = Sequence::new(u64::from(scene.shift));
+        self.parts = [NOWHERE; MOST_PARTS];
+        self.parts.iter_mut().zip(&mix.parts).for_each(|(p, (share, f))| *p = (*share, f.ball));
         let origin = at.position + at.side * at.offset;
         while self.rays < until {
             let k = self.rays;
             self.rays += 1;
+            self.looked += u32::from(k >= blind);
             let direction = at.cosine_direction(lattice.point(kind, k, self.pixel));
             if direction.dot(at.side) <= 0.0 {
                 continue;
@@ -112,25 +153,39 @@ impl Receiver {
             });
             let longest = exits.iter().copied().fold(0.0, f32::max);
             let hit = scene.lit.tracer.hit(&at.ray(direction, longest), Sides::Both);
-            let Some(hit) = hit else { continue };
+            if hit.is_none() && k < blind {
+                continue;
+            }
+            let (mut within, mut far, mut all) = (0.0, [0.0; 4], [0.0; 4]);
+            for ((share, field), exit) in mix.parts.iter().zip(exits) {
+                let one = mix.far(field, origin, direction);
+                (0..4).for_each(|c| all[c] += share * one[c]);
+                if hit.as_ref().is_some_and(|h| h.t <= exit) {
+                    within += share;
+                    (0..4).for_each(|c| far[c] += share * one[c]);
+                }
+            }
+            if k >= blind {
+                (0..4).for_each(|c| self.looked_up[c] += all[c]);
+            }
+            let Some(hit) = hit.filter(|_| within > 0.0) else { continue };
             let (lit, surfels) = (&scene.lit, &scene.surfels);
-            let met = near::shade(lit, surfels, &scene.reflected, &hit, direction, &sequence, k);
+            let number = self.hits.len() * PATTERN * PATTERN + place_of(self.pixel);
+            let number = number as u32;
+            let met =
+                near::shade(lit, surfels, &scene.reflected, &hit, direction, &sequence, number);
             let open = if hit.t < occlusion { 0.0 } else { 1.0 };
             let [r, g, b] = met.radiance;
-            let own = [r, g, b, open];
-            let mut light = [0.0; 4];
-            for ((share, field), _) in mix.parts.iter().zip(exits).filter(|(_, e)| hit.t <= *e) {
-                let far = mix.far(field, origin, direction);
-                (0..4).for_each(|c| light[c] += share * (own[c] - far[c]));
-            }
-            self.hits.push(Residual { position: met.position, light });
+            let (own, far) = ([r, g, b, open], far.map(|l| l / within));
+            self.hits.push(Residual { position: met.position, own, far });
         }
     }
 
     /// Casts so many rays without an end, over nothing: a hit adds its radiance by one shadow ray, and
     /// takes openness away.
     pub(crate) fn cast_far(&mut self, lit: &Lit, lattice: &Lattice, count: u32) {
-        let (at, sequence) = (self.at, self.sequence());
+        let (at, (x, y)) = (self.at, self.pixel);
+        let sequence = Sequence::new((y << 32 | x) as u64);
         self.rays = count;
         for k in 0..count {
             let direction = at.cosine_direction(lattice.point(0, k, self.pixel));
@@ -141,13 +196,9 @@ impl Receiver {
             let Some(hit) = lit.tracer.hit(&ray, Sides::Both) else { continue };
             let (vertex, e) = near::lit(lit, &hit, direction, &sequence, k);
             let [r, g, b] = near::radiance(&vertex, e);
-            self.hits.push(Residual { position: vertex.position, light: [r, g, b, -1.0] });
+            let (own, far) = ([r, g, b, -1.0], [0.0; 4]);
+            self.hits.push(Residual { position: vertex.position, own, far });
         }
-    }
-
-    /// Numbers for light at what its rays meet.
-    fn sequence(&self) -> Sequence {
-        Sequence::new((self.pixel.1 << 32 | self.pixel.0) as u64)
     }
 }
 
@@ -175,12 +226,16 @@ impl Lattice {
     }
 
     /// Ray `k` of a pixel by the rays of a manner.
-    pub(crate) fn point(&self, manner: usize, k: u32, (x, y): Pixel) -> [f32; 2] {
-        let bit = |v: usize, i: usize| v >> i & 1;
-        let place = bit(x, 0) | bit(y, 0) << 1 | bit(x, 1) << 2 | bit(y, 1) << 3;
+    pub(crate) fn point(&self, manner: usize, k: u32, pixel: Pixel) -> [f32; 2] {
         let manner = &self.manners[manner];
-        manner.points[place * manner.rays + k as usize]
+        manner.points[place_of(pixel) * manner.rays + k as usize]
     }
+}
+
+/// The place of a pixel in the lattice's pattern.
+fn place_of((x, y): Pixel) -> usize {
+    let bit = |v: usize, i: usize| v >> i & 1;
+    bit(x, 0) | bit(y, 0) << 1 | bit(x, 1) << 2 | bit(y, 1) << 3
 }
 
 /// Where in the sequence the rays of each place of the pattern are.

@@ -12,8 +12,9 @@
 //! 4. Its near field is a few rays of cosine density that end at the spheres of radius D. A hit adds
 //!    its radiance less the far radiance of that direction, a miss nothing: the far buffer is a
 //!    control variate, and what rays must tell is only the residual (`receiver`). More rays are
-//!    cast where those around hit something.
-//! 5. Hits are pooled over blocks of pixels by the balance heuristic (`pool`).
+//!    cast where those around hit something, and far light is not interpolated where it varies there.
+//! 5. Hits are pooled over blocks of pixels by the balance heuristic (`pool`), each as far as a pixel's
+//!    own balls hold it. Far light that is taken back is scaled by what the far sums really hold of it.
 //!
 //! Work goes down the picture in bands of tiles, so that memory does not grow with its height. The
 //! same sums tell how much of the hemisphere is open: ambient occlusion comes with the light.
@@ -76,6 +77,8 @@ const USUAL_BOUND: f32 = 0.1;
 const BAND: usize = 4;
 /// Far light is computed at every so many pixels on planes.
 const NODE: usize = 4;
+/// Where near rays hit, nodes that differ by more than this share are not interpolated.
+const LINEAR: f32 = 0.1;
 
 /// The fields of a tile: of its clusters, or of those of its four quarters.
 struct Tile {
@@ -304,17 +307,19 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         if scene.knobs.near_field {
             let [first, some, all] = rays(manner, scene.knobs.error_bound);
             for (r, mix) in receivers.iter_mut().zip(&mixes) {
-                r.cast(scene, mix, (&self.lattice, kind), first, self.occlusion);
+                r.cast(scene, mix, (&self.lattice, kind), (first, first), self.occlusion);
             }
             let more = wanting(&receivers, (column * TILE, row * TILE));
             for i in more {
-                receivers[i].cast(scene, &mixes[i], (&self.lattice, kind), some, self.occlusion);
+                let (lattice, mix) = ((&self.lattice, kind), &mixes[i]);
+                receivers[i].cast(scene, mix, lattice, (some, first), self.occlusion);
                 if receivers[i].hits.len() as f32 > MOST_HIT * some as f32 {
-                    receivers[i].cast(scene, &mixes[i], (&self.lattice, kind), all, self.occlusion);
+                    receivers[i].cast(scene, mix, lattice, (all, first), self.occlusion);
                 }
             }
         }
         let far = self.far(above, &receivers, &mixes, |mix, at| mix.irradiance(at));
+        receivers.iter_mut().zip(&far).for_each(|(r, far)| r.far = *far);
         if let Some(dome) = &self.dome {
             let open = self.far(above, &receivers, &mixes, |mix, at| mix.opening(at, dome));
             receivers.iter_mut().zip(open).for_each(|(r, open)| r.opening = open);
@@ -419,6 +424,20 @@ fn wanting(receivers: &[Receiver], corner: Pixel) -> Vec<usize> {
     (0..receivers.len()).filter(|&i| is_near(&receivers[i])).collect()
 }
 
+/// Whether what nodes have differs much.
+fn vary<const N: usize>(nodes: &[[f32; N]; 4]) -> bool {
+    let differ = |channels: std::ops::Range<usize>| {
+        let all = || nodes.iter().flat_map(|n| &n[channels.clone()]);
+        let most = all().fold(0.0f32, |m, v| m.max(v.abs()));
+        channels.clone().any(|c| {
+            let of = |i: usize| nodes[i][c];
+            let (low, high) = (1..4).fold((of(0), of(0)), |(a, b), i| (a.min(of(i)), b.max(of(i))));
+            high - low > LINEAR * most
+        })
+    };
+    differ(0..3) || differ(3..N)
+}
+
 /// What every fourth pixel of a tile has of its far fields, as far as it was asked for.
 struct Nodes<'a, 'b, 'c, T: Hierarchy, F, const N: usize> {
     picture: &'a Picture<'b, 'c, T>,
@@ -444,12 +463,11 @@ impl<T: Hierarchy, F: Fn(&Mix, &Vertex) -> [f32; N], const N: usize> Nodes<'_, '
         };
         let (u, v) = (share(x, x0, x1), share(y, y0, y1));
         let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-        let mut sum = [0.0; N];
-        for (corner, weight) in corners.into_iter().zip(weights).filter(|(_, w)| *w > 0.0) {
-            let far = self.at(corner);
-            (0..N).for_each(|c| sum[c] += weight * far[c]);
+        let all = corners.map(|corner| self.at(corner));
+        if !receiver.hits.is_empty() && vary(&all) {
+            return None;
         }
-        Some(sum)
+        Some(std::array::from_fn(|c| (0..4).map(|i| weights[i] * all[i][c]).sum()))
     }
 
     /// Whether a node's pixel shares the receiver's plane.
@@ -473,5 +491,18 @@ impl<T: Hierarchy, F: Fn(&Mix, &Vertex) -> [f32; N], const N: usize> Nodes<'_, '
         let far = (self.of)(&picture.mix(self.above, node, at.position), &at);
         self.kept.push((node, far));
         far
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_vary_by_their_light_whatever_is_open() {
+        let nodes = |light: [f32; 4]| light.map(|l| [l, 0.1, 0.1, 3.0]);
+        assert!(!vary(&nodes([0.1; 4])));
+        assert!(!vary(&nodes([0.1, 0.1, 0.095, 0.095])));
+        assert!(vary(&nodes([0.1, 0.1, 0.07, 0.07])));
     }
 }
