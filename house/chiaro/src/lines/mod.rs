@@ -339,7 +339,7 @@ impl Writing<'_> {
         }
         let json = |sink: &mut dyn std::io::Write| document::write(self.shot, page, look, sink);
         if self.holds_all() {
-            return run.stage("draw", page.len() as u64, || frames.stream(number, json));
+            return run.stage("write", page.len() as u64, || frames.stream(number, json));
         }
         let recipe = (self.recipe)(number);
         let bytes = run.stage("draw", page.len() as u64, || match self.encoding {
