@@ -67,6 +67,7 @@ fn report(view: &View) {
         time("capacities", pixels, || Graph::new(covered, &difference, &factors, &knobs));
     println!("{:<36} {:7.1} ns", "weights in all", all + geometry + integers);
     time("cut", pixels, || graph.solve());
+    time("round", pixels, || graph.rounded(&labels.white, &knobs).expect("weights are small"));
     time("islands", pixels, || graph.without_islands(&labels.white, 30.0));
     time("lines", pixels, || {
         let features = Features::find(&view.buffer, &knobs);
