@@ -102,7 +102,7 @@ knobs! {
         use_geometry: bool = true, Switch, "(3.2)", "", "whether geometry lowers neighbour weights";
         diagonal: bool = true, Switch, "", "", "whether diagonal borders weigh 1/sqrt 2";
 
-        round: f32 = 6.0, Number { min: 0.0, max: 64.0 }, "", "px at 480", "how far from their borders regions are cut again with sixteen neighbours, without which they run in facets; 0: not at all";
+        round: f32 = 4.0, Number { min: 0.0, max: 64.0 }, "", "px at 480", "how far from their borders regions are cut again with sixteen neighbours, without which they run in facets; 0: not at all";
         island: f32 = 30.0, Number { min: 0.0, max: 100000.0 }, "", "px at 480", "smaller patches take the colour around them; 0 keeps all";
         smooth: f32 = 1.1, Number { min: 0.0, max: 10.0 }, "", "px at 480", "smoothing of borders after the cut";
 
