@@ -149,7 +149,7 @@ mod tests {
         let told = differences(&of(50_000, "a"), &of(200_000, "a"));
         assert_eq!(told, "surfels = 50000 (here 200000)");
         assert_eq!(differences(&of(1, "a"), &of(1, "b")), "another scene");
-        assert_eq!(differences("", &of(1, "b")), "another scene, another surfels");
+        assert_eq!(differences("", &of(1, "b")), "another surfels, another scene");
         assert_eq!(differences("{", "{}"), "something else");
     }
 
