@@ -114,21 +114,11 @@ impl Exposure {
         self.tone_steps[tones - 3][..tones - 1].copy_from_slice(steps);
     }
 
-    /// Sets the steps of `tones` tones so that they hold like shares of the shot from dark to light,
-    /// bent so that half of them hold `black`: percentiles of W - B over the surveyed frames.
-    pub(crate) fn survey_steps(
-        &mut self,
-        tones: usize,
-        (difference, covered): &(Plane<f32>, Plane<bool>),
-        black: f32,
-    ) {
+    /// The steps of `tones` tones as shares of the shot from dark to light: alike, but bent so that half of the tones hold
+    /// `black`.
+    pub(crate) fn shares(tones: usize, black: f32) -> Vec<f32> {
         let bend = black.clamp(0.05, 0.95).ln() / 0.5f32.ln();
-        let step = |j: usize| {
-            let share = (j as f32 / tones as f32).powf(bend);
-            statistics::percentile(difference, covered, 100.0 * share).unwrap_or(0.0)
-        };
-        let steps: Vec<f32> = (1..tones).map(step).collect();
-        self.set_steps(tones, &steps);
+        (1..tones).map(|j| (j as f32 / tones as f32).powf(bend)).collect()
     }
 
     /// A tone after levels, in [0, 1].

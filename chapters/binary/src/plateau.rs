@@ -5,6 +5,9 @@
 //! off those of *patches*, connected pixels without a feature or a visible gradient between them, as
 //! little as possible and as far as the share of black stays near the style's band.
 //!
+//! The steps of palettes keep off patches too, of those alone whose tones differ little from end to end: slow gradients
+//! are what tones are for.
+//!
 //! Not guaranteed: that no patch is parted. Where every threshold parts one, or all that part none
 //! leave the band far, the least evil is taken.
 
@@ -24,6 +27,12 @@ const PRICE: f32 = 1.5;
 const PARTED: f32 = 2.0;
 /// What moving the threshold by 1 costs, in the same.
 const MOVE: f32 = 0.3;
+
+/// Places that a step may take, as shares of a shot, and how many of them lie between two steps.
+const PLACES: usize = 100;
+const GAP: usize = 4;
+/// By how much of a palette's even tone a patch may change from end to end.
+const LEVEL: f32 = 1.0;
 
 /// The change of tone from one pixel to the next, at 480, that nobody sees.
 const FLAT: f32 = 0.003;
@@ -61,6 +70,36 @@ pub(crate) fn off_plateaus(
     Exposure { threshold, ..exposure }
 }
 
+/// The steps of `tones` tones, W - B: at shares of the shot from dark to light that are near the even ones, but part few patches.
+pub(crate) fn steps(
+    views: &[View],
+    factors: &[Plane<[f32; 4]>],
+    exposure: &Exposure,
+    knobs: &BinaryKnobs,
+    tones: usize,
+) -> Vec<f32> {
+    let knobs = &knobs.for_tones(tones);
+    let mut seen = Tones::default();
+    for (view, factors) in views.iter().zip(factors) {
+        let covered = &view.buffer.covered;
+        let lean = terminal(&view.channels, covered, exposure, knobs);
+        let pairs = lean.pixels().iter().zip(covered.pixels());
+        seen.all.extend(pairs.filter(|(_, c)| **c).map(|(d, _)| d));
+        let tone = mixed_tone(&view.channels, covered, knobs).map(|t| exposure.stretch(*t));
+        seen.patches.extend(patches(&tone, &lean, covered, factors));
+    }
+    seen.all.sort_unstable_by(f32::total_cmp);
+    let wide = seen.at(1.0) - seen.at(0.0);
+    seen.patches.retain(|patch| range(patch) <= LEVEL / tones as f32 * wide);
+    seen.stepped(&Exposure::shares(tones, 0.5 * (knobs.black_min + knobs.black_max)))
+}
+
+/// The difference of most of some ascending tones.
+fn range(tones: &[f32]) -> f32 {
+    let last = tones.len() - 1;
+    tones[last - last / 20] - tones[last / 20]
+}
+
 /// The tones of a shot's views, ascending.
 #[derive(Default)]
 struct Tones {
@@ -96,6 +135,57 @@ impl Tones {
             }
         }
         best
+    }
+}
+
+impl Tones {
+    /// The tone that a share of the shot is darker than.
+    fn at(&self, share: f32) -> f32 {
+        let last = self.all.len().saturating_sub(1);
+        self.all.get((share * last as f32).round() as usize).copied().unwrap_or(0.0)
+    }
+
+    /// Steps near these shares, in their order, that together part the least for the least way.
+    fn stepped(&self, shares: &[f32]) -> Vec<f32> {
+        let all = self.all.len().max(1) as f32;
+        let below = |tones: &[f32], t: f32| tones.partition_point(|x| *x < t);
+        let parted = |t: f32| -> f32 {
+            let smaller = |patch: &Vec<f32>| below(patch, t).min(patch.len() - below(patch, t));
+            self.patches.iter().map(smaller).sum::<usize>() as f32 / all
+        };
+        let places: Vec<f32> = (0..=PLACES).map(|i| i as f32 / PLACES as f32).collect();
+        let evil: Vec<f32> = places.iter().map(|p| PARTED * parted(self.at(*p))).collect();
+        // The least cost of the steps so far with the last at each place or before, and where it then is.
+        let mut least = vec![0.0; places.len() + 1];
+        let mut chosen: Vec<Vec<usize>> = Vec::new();
+        for share in shares {
+            let mut best = (f32::INFINITY, 0);
+            let mut next = vec![f32::INFINITY; GAP];
+            let mut at = vec![0; GAP];
+            for (i, place) in places.iter().enumerate() {
+                let cost = least[i] + evil[i] + (place - share).abs();
+                if cost < best.0 {
+                    best = (cost, i);
+                }
+                next.push(best.0);
+                at.push(best.1);
+            }
+            next.truncate(places.len() + 1);
+            least = next;
+            chosen.push(at);
+        }
+        let mut end = PLACES + GAP;
+        let mut steps: Vec<f32> = chosen
+            .iter()
+            .rev()
+            .map(|at| {
+                let i = at[end];
+                end = i;
+                self.at(places[i])
+            })
+            .collect();
+        steps.reverse();
+        steps
     }
 }
 
@@ -169,6 +259,22 @@ mod tests {
     fn an_even_spread_of_tones_keeps_its_threshold() {
         let all: Vec<f32> = (0..1000).map(|i| i as f32 / 1000.0).collect();
         assert_eq!(Tones { all, patches: Vec::new() }.settled(0.45, [0.35, 0.6]), 0.45);
+    }
+
+    #[test]
+    fn steps_keep_off_a_flat_patch_and_in_their_order() {
+        let all: Vec<f32> = (0..1000).map(|i| i as f32 / 1000.0).collect();
+        let even = Tones { all: all.clone(), patches: Vec::new() };
+        let steps = even.stepped(&[0.25, 0.5, 0.75]);
+        assert!(
+            steps.iter().zip([0.25, 0.5, 0.75]).all(|(a, b)| (a - b).abs() < 0.01),
+            "{steps:?}"
+        );
+        let one = Tones { patches: vec![all[400..700].to_vec()], all };
+        let steps = one.stepped(&[0.25, 0.5, 0.6]);
+        let is_off = |s: &f32| *s <= 0.405 || *s >= 0.695;
+        assert!(steps.iter().all(is_off) && steps.is_sorted(), "{steps:?}");
+        assert!(Tones::default().stepped(&[0.3, 0.6]).iter().all(|s| *s == 0.0));
     }
 
     /// A plate whose tone rises from .7 to .9 across the picture, with a dark box on it.

@@ -2,12 +2,12 @@
 
 use crate::appearance::Channels;
 use crate::cut::{Border, FeaturePairs, Graph, Labels};
-use crate::exposure::{Exposure, MOST_STEPS, Sample, mixed_tone, strip};
+use crate::exposure::{Exposure, MOST_STEPS, Sample, mixed_tone};
 use crate::geometry::neighbour_factors;
 use crate::knob::{BinaryKnobs, Model, scaled};
 use crate::line::{Features, Lines};
 use crate::paint::Paint;
-use crate::plateau::off_plateaus;
+use crate::plateau::{self, off_plateaus};
 use crate::terminal::terminal;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
@@ -241,9 +241,8 @@ pub fn expose(views: &[View], shadows: bool, knobs: &BinaryKnobs, run: &Run) -> 
     };
     if !knobs.palette.is_empty() {
         for tones in 3..=MOST_STEPS + 1 {
-            let differences = survey.differences(&exposure, &knobs.for_tones(tones));
-            let black = 0.5 * (knobs.black_min + knobs.black_max);
-            exposure.survey_steps(tones, &differences, black);
+            let steps = plateau::steps(views, &survey.factors, &exposure, knobs, tones);
+            exposure.set_steps(tones, &steps);
         }
     }
     Ok(exposure)
@@ -296,14 +295,5 @@ impl Survey<'_> {
             black += count - labels.white.pixels().iter().filter(|w| **w).count();
         }
         Ok(black as f32 / all as f32)
-    }
-
-    /// W - B of all views, one below the other.
-    fn differences(&self, exposure: &Exposure, knobs: &BinaryKnobs) -> (Plane<f32>, Plane<bool>) {
-        let sample = |v: &View| Sample {
-            tone: terminal(&v.channels, &v.buffer.covered, exposure, knobs),
-            covered: v.buffer.covered.clone(),
-        };
-        strip(&self.views.iter().map(sample).collect::<Vec<_>>())
     }
 }
