@@ -10,12 +10,14 @@
 //! sees it. Under a sky that is the underside of a ground and the outside of a room.
 //!
 //! Half of the rays are tried first; the others only when those disagree. Sides that get direct
-//! light live: faces of a double-sided model may wind either way.
+//! light live: faces of a double-sided model may wind either way. So do those that a ray leaves into a sky that
+//! shines: the few samples of their light may have missed it, and were the dark ones among many to die, the others
+//! would stand for them, too bright.
 
-use crate::surfel::Surfel;
+use crate::surfel::{Lit, Surfel};
 use chiaro_basis::math::Vec3;
 use chiaro_scene::Bounds;
-use chiaro_trace::{Ray, Sequence, Sides, Tracer, cosine_direction};
+use chiaro_trace::{Ray, Sequence, Sides, cosine_direction};
 
 /// Spacings within which all rays must end for a side to be buried.
 const BURIED: f32 = 4.0;
@@ -27,6 +29,8 @@ struct Met {
     fronts: u32,
     backs: u32,
     near: u32,
+    /// Whether one left into a sky that shines there.
+    sky: bool,
 }
 
 impl Met {
@@ -42,18 +46,11 @@ impl Met {
 }
 
 /// Finds the dead sides of a lit surfel with at most `rays` rays a side; `bounds` hold everything drawn.
-pub fn test(
-    tracer: &Tracer,
-    bounds: &Bounds,
-    surfel: &mut Surfel,
-    spacing: f32,
-    rays: u32,
-    seed: u64,
-) {
+pub fn test(lit: &Lit, bounds: &Bounds, surfel: &mut Surfel, spacing: f32, rays: u32, seed: u64) {
     let sequence = Sequence::new(!seed);
     for side in 0..2 {
         let normal = if side == 0 { surfel.normal } else { -surfel.normal };
-        if above(bounds, surfel.position, normal) <= tracer.offset() {
+        if above(bounds, surfel.position, normal) <= lit.tracer.offset() {
             surfel.alive[side] = false;
             continue;
         }
@@ -66,9 +63,12 @@ pub fn test(
                 break;
             }
             let direction = cosine_direction(normal, sequence.point(k, side as u32));
-            meet(tracer, surfel.position, normal, direction, spacing, &mut met);
+            meet(lit, surfel.position, normal, direction, spacing, &mut met);
+            if met.sky {
+                break;
+            }
         }
-        surfel.alive[side] = !met.is_dead();
+        surfel.alive[side] = met.sky || !met.is_dead();
     }
 }
 
@@ -78,19 +78,16 @@ fn above(bounds: &Bounds, position: Vec3, normal: Vec3) -> f32 {
     (farthest - position).dot(normal)
 }
 
-fn meet(
-    tracer: &Tracer,
-    position: Vec3,
-    normal: Vec3,
-    direction: Vec3,
-    spacing: f32,
-    met: &mut Met,
-) {
+fn meet(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, spacing: f32, met: &mut Met) {
     met.rays += 1;
-    let origin = position + normal * tracer.offset();
+    let origin = position + normal * lit.tracer.offset();
     let ray = Ray { origin, direction, t_max: f32::INFINITY };
-    let Some(hit) = tracer.hit(&ray, Sides::Both) else { return };
-    if tracer.meets_front(&hit, direction) {
+    let Some(hit) = lit.tracer.hit(&ray, Sides::Both) else {
+        let sky = lit.lights.sky.as_deref();
+        met.sky = sky.is_some_and(|s| s.radiance(direction) != [0.0; 3]);
+        return;
+    };
+    if lit.tracer.meets_front(&hit, direction) {
         met.fronts += 1;
     } else {
         met.backs += 1;

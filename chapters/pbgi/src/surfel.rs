@@ -80,7 +80,7 @@ impl Surfels {
                 light(lit, &sites[index], surfel, index as u64);
                 if knobs.side_rays > 0 {
                     let (rays, seed) = (knobs.side_rays, index as u64);
-                    side::test(lit.tracer, &bounds, surfel, spacing, rays, seed);
+                    side::test(lit, &bounds, surfel, spacing, rays, seed);
                 }
                 Ok(())
             })
