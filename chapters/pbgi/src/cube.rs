@@ -2,7 +2,8 @@
 //!
 //! Splats come nearest first; each is a square of its solid angle, moved inside the face of its
 //! direction, and adds its radiance to every texel by the share of the texel that it covers and
-//! that is still free. Coverage ends at 1, so that nearer things hide farther ones.
+//! that is still free. Coverage ends at 1, so that nearer things hide farther ones. A texel knows where in it
+//! that lies: light that grazes a receiver does not come from the middle of the texel above its plane.
 
 use crate::cut::Splat;
 use chiaro_basis::math::Vec3;
@@ -27,6 +28,8 @@ pub struct Texel {
     pub distance: f32,
     /// Mean normal times coverage.
     pub axis: Vec3,
+    /// Where in it what is covered lies, from its middle, in texels, times coverage.
+    pub place: [f32; 2],
     /// The share in which something nearer than the near field's radius is.
     pub near: f32,
 }
@@ -88,7 +91,7 @@ impl CubeShape {
     fn under(&self, square: &Square) -> f32 {
         let mut sum = 0.0;
         // All faces are alike.
-        square.each(self.side, |texel, share| sum += share * self.solid_angles[texel]);
+        square.each(self.side, |texel, share, _| sum += share * self.solid_angles[texel]);
         sum
     }
 
@@ -150,19 +153,27 @@ impl Square {
         (self.low, self.high) = (centre.map(|c| c - half), centre.map(|c| c + half));
     }
 
-    /// Calls `each` with every texel of the face that it covers, and the share covered.
-    fn each(&self, side: usize, mut each: impl FnMut(usize, f32)) {
+    /// Calls `each` with every texel of the face that it covers, the share covered, and where that lies from the
+    /// texel's middle.
+    #[inline]
+    fn each(&self, side: usize, mut each: impl FnMut(usize, f32, [f32; 2])) {
         let last = |end: f32| {
             // Rounded up; `ceil` is a call on processors without an instruction for it.
             let whole = end as usize;
             (whole + usize::from(end > whole as f32)).min(side)
         };
         let ([x0, y0], [x1, y1]) = (self.low, self.high);
+        // The length of a span within a cell, and its middle from the cell's.
+        let within = |low: f32, high: f32, cell: usize| {
+            let (low, high) = (low - cell as f32, high - cell as f32);
+            let (low, high) = (low.max(0.0), high.min(1.0));
+            ((high - low).max(0.0), 0.5 * (low + high) - 0.5)
+        };
         for row in y0 as usize..last(y1) {
-            let height = (y1.min(row as f32 + 1.0) - y0.max(row as f32)).max(0.0);
+            let (height, v) = within(y0, y1, row);
             for column in x0 as usize..last(x1) {
-                let width = (x1.min(column as f32 + 1.0) - x0.max(column as f32)).max(0.0);
-                each(row * side + column, width * height);
+                let (width, u) = within(x0, x1, column);
+                each(row * side + column, width * height, [u, v]);
             }
         }
     }
@@ -214,8 +225,8 @@ impl CubeBuffer {
         // The area element varies over a square; what is too much or too little is spread over it.
         let scale = if solid_angle > 0.0 { splat.solid_angle / solid_angle } else { 0.0 };
         let base = square.face * self.shape.side * self.shape.side;
-        square.each(self.shape.side, |texel, share| {
-            self.texels[base + texel].cover(splat, (share * scale).min(1.0));
+        square.each(self.shape.side, |texel, share, place| {
+            self.texels[base + texel].cover(splat, (share * scale).min(1.0), place);
         });
     }
 
@@ -225,7 +236,7 @@ impl CubeBuffer {
         let zero = Vec3::ZERO;
         let splat =
             Splat { direction: zero, distance, solid_angle: 0.0, radiance, axis, marks: false };
-        self.texels[i].cover(&splat, 1.0);
+        self.texels[i].cover(&splat, 1.0, [0.0; 2]);
     }
 
     /// Finds the texels that discs reach into: squares about them twice as wide as they are.
@@ -247,12 +258,18 @@ impl CubeBuffer {
             }
             let square = Square::of(&Splat { solid_angle, ..*disc }, side);
             let base = square.face * side * side;
-            square.each(side, |texel, _| texels[base + texel] = true);
+            square.each(side, |texel, _, _| texels[base + texel] = true);
         }
     }
 
-    /// Fills `share` of a texel, before any splat, with something at a distance.
-    pub fn fill(&mut self, texel: usize, radiance: [f32; 3], distance: f32, share: f32) {
+    /// Fills a share of a texel, at a place from its middle in texels, before any splat, with something at a distance.
+    pub fn fill(
+        &mut self,
+        texel: usize,
+        radiance: [f32; 3],
+        distance: f32,
+        (share, place): (f32, [f32; 2]),
+    ) {
         let zero = Vec3::ZERO;
         let splat = Splat {
             direction: zero,
@@ -262,7 +279,21 @@ impl CubeBuffer {
             axis: zero,
             marks: false,
         };
-        self.texels[texel].cover(&splat, share);
+        self.texels[texel].cover(&splat, share, place);
+    }
+
+    /// The unit vector towards what is in a texel; through its middle where nothing is.
+    pub fn towards(&self, texel: usize) -> Vec3 {
+        let t = &self.texels[texel];
+        if t.coverage <= 0.0 {
+            return self.shape.directions[texel];
+        }
+        let side = self.shape.side;
+        let (x, y, face) = (texel % side, texel / side % side, texel / (side * side));
+        let at = |i: usize, place: f32| {
+            (2.0 * (i as f32 + 0.5 + place / t.coverage) / side as f32) - 1.0
+        };
+        on_face(face, at(x, t.place[0]), at(y, t.place[1])).normalize()
     }
 
     /// A texel's radiance seen by the receiver: divided by its coverage where it is closed.
@@ -305,7 +336,7 @@ impl CubeBuffer {
 }
 
 impl Texel {
-    fn cover(&mut self, splat: &Splat, share: f32) {
+    fn cover(&mut self, splat: &Splat, share: f32, place: [f32; 2]) {
         if splat.marks {
             self.near = (self.near + share).min(1.0);
             return;
@@ -315,6 +346,7 @@ impl Texel {
             self.coverage += share;
             self.distance += share * splat.distance;
             self.axis += splat.axis * share;
+            (0..2).for_each(|i| self.place[i] += share * place[i]);
             (0..3).for_each(|c| self.light[c] += share * splat.radiance[c]);
         }
     }
@@ -374,6 +406,30 @@ mod tests {
                 .map(|(t, omega)| t.coverage * omega)
                 .sum();
             assert!((covered / omega - 1.0).abs() < 0.03, "{direction} {omega}: {covered}");
+        }
+    }
+
+    #[test]
+    fn a_small_splat_is_seen_where_it_is() {
+        let mut buffer = CubeBuffer::new(CubeShape::new(8));
+        for i in 0..200 {
+            let [u, v] = r2(i);
+            let (z, (sin, cos)) = (1.0 - 2.0 * u, (TAU * v).sin_cos());
+            let r = (1.0 - z * z).sqrt();
+            let direction = Vec3::new(r * cos, r * sin, z);
+            buffer.clear();
+            buffer.add(&Splat {
+                direction,
+                distance: 1.0,
+                solid_angle: 1e-6,
+                radiance: [1.0; 3],
+                axis: Vec3::ZERO,
+                marks: false,
+            });
+            let texel = (0..buffer.texels().len()).max_by(|a, b| {
+                buffer.texels()[*a].coverage.total_cmp(&buffer.texels()[*b].coverage)
+            });
+            assert!(buffer.towards(texel.unwrap()).distance(direction) < 2e-3, "{direction}");
         }
     }
 

@@ -147,7 +147,7 @@ impl Field {
                 if texel.mean_distance() < how.occlusion { 1.0 - buffer.coverage(i) } else { 1.0 };
             let distance = (texel.mean_distance().min(how.beyond) * scale).max(LEAST);
             let [r, g, b] = buffer.radiance(i);
-            let towards = shape.directions[i];
+            let towards = buffer.towards(i);
             let place = towards * distance;
             let slant = slant(towards, texel.mean_axis()) * (distance * distance);
             (0..3).for_each(|c| pack.place[c][lane] = place[c]);
@@ -252,7 +252,7 @@ mod tests {
         let shape = CubeShape::new(12);
         let mut buffer = CubeBuffer::new(shape.clone());
         for i in 0..shape.directions.len() {
-            buffer.fill(i, [1.0, 2.0, 3.0], d, 1.0);
+            buffer.fill(i, [1.0, 2.0, 3.0], d, (1.0, [0.0; 2]));
         }
         let ball = Ball { centre: Vec3::new(5.0, 6.0, 7.0), radius: 1.0 };
         let how = Gathering { threshold: 0.1, occlusion: 1e3, beyond: 1e3 };

@@ -90,8 +90,11 @@ pub fn gather<T: Hierarchy>(
 fn sum(buffer: &CubeBuffer, normal: Vec3, occlusion: f32) -> Gathered {
     let mut sum = Gathered { openness: 1.0, ..Gathered::default() };
     let shape = buffer.shape();
-    for (i, (d, omega)) in shape.directions.iter().zip(&shape.solid_angles).enumerate() {
-        let weight = d.dot(normal).max(0.0) * omega;
+    for (i, omega) in shape.solid_angles.iter().enumerate() {
+        if buffer.texels()[i].coverage <= 0.0 {
+            continue;
+        }
+        let weight = buffer.towards(i).dot(normal).max(0.0) * omega;
         if weight > 0.0 {
             let radiance = buffer.radiance(i);
             (0..3).for_each(|c| sum.irradiance[c] += radiance[c] * weight);
@@ -138,7 +141,7 @@ fn near_rays<T: Hierarchy>(
     seed: u64,
 ) {
     let sequence = Sequence::new(seed);
-    for (index, &(texel, direction)) in quarters.directions.iter().enumerate() {
+    for (index, &(texel, direction, place)) in quarters.directions.iter().enumerate() {
         if !near[texel] {
             continue;
         }
@@ -156,14 +159,14 @@ fn near_rays<T: Hierarchy>(
                 &sequence,
                 index as u32,
             );
-            buffer.fill(texel, met.radiance, hit.t, 0.25);
+            buffer.fill(texel, met.radiance, hit.t, (0.25, place));
         }
     }
 }
 
-/// The quarters of a cube's texels: texel and direction of each.
+/// The quarters of a cube's texels: texel, direction and place in it of each.
 struct CubeQuarters {
-    directions: Vec<(usize, Vec3)>,
+    directions: Vec<(usize, Vec3, [f32; 2])>,
 }
 
 impl CubeQuarters {
@@ -173,7 +176,8 @@ impl CubeQuarters {
             let (x, y) = (rest % (2 * n), rest / (2 * n));
             let at = |k: usize| (k as f32 + 0.5) / n as f32 - 1.0;
             let texel = (face * n + y / 2) * n + x / 2;
-            (texel, crate::cube::on_face(face, at(x), at(y)).normalize())
+            let place = [x, y].map(|k| 0.5 * (k % 2) as f32 - 0.25);
+            (texel, crate::cube::on_face(face, at(x), at(y)).normalize(), place)
         };
         Self { directions: (0..6 * 4 * n * n).map(quarter).collect() }
     }
