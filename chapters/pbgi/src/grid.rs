@@ -1,7 +1,8 @@
 //! [`SurfelGrid`]: the surfel nearest to a point of a surface.
 //!
 //! Space is cut into cells three spacings wide, kept in a hash table; a query looks into the eight
-//! cells around its point, so that whatever lies within one and a half spacings is found.
+//! cells around its point, its own first, so that whatever lies within one and a half spacings is found. Cells
+//! farther than what was found are left out. What a query reads lies cell by cell.
 
 use crate::surfel::Surfels;
 use chiaro_basis::math::{Vec3, vec3};
@@ -11,9 +12,20 @@ pub struct SurfelGrid {
     cell: f32,
     /// Where each bucket begins; one entry more than buckets.
     starts: Vec<u32>,
-    /// Surfels' indices, bucket by bucket.
-    entries: Vec<u32>,
+    /// Surfels, bucket by bucket.
+    entries: Vec<Entry>,
 }
+
+/// A surfel in a cell.
+#[derive(Clone, Copy, Default)]
+struct Entry {
+    position: Vec3,
+    normal: Vec3,
+    index: u32,
+}
+
+/// Distances to cells are taken for that much less, against rounding.
+const ROUNDED: f32 = 0.999;
 
 /// How much a wrong normal counts: spacings squared for a right angle.
 const TURN: f32 = 4.0;
@@ -32,10 +44,11 @@ impl SurfelGrid {
             starts[i + 1] += starts[i];
         }
         let mut fill = starts.clone();
-        let mut entries = vec![0; surfels.all.len()];
+        let mut entries = vec![Entry::default(); surfels.all.len()];
         for (i, s) in surfels.all.iter().enumerate() {
             let b = bucket(s.position);
-            entries[fill[b] as usize] = i as u32;
+            entries[fill[b] as usize] =
+                Entry { position: s.position, normal: s.normal, index: i as u32 };
             fill[b] += 1;
         }
         Self { cell, starts, entries }
@@ -59,22 +72,28 @@ impl SurfelGrid {
         normal: Vec3,
         counts: impl Fn(u32, usize) -> bool,
     ) -> Option<(u32, usize)> {
-        let corner = (point / self.cell - 0.5).floor();
+        let own = (point / self.cell).floor();
+        let within = point / self.cell - own;
+        // The neighbours that are nearer, and how far they are.
+        let beside = Vec3::select(within.cmplt(Vec3::splat(0.5)), Vec3::NEG_ONE, Vec3::ONE);
+        let away = self.cell * within.min(1.0 - within);
         let buckets = self.starts.len() - 1;
         let spacing2 = surfels.spacing * surfels.spacing;
         // A point a little farther than the cells reach may be found; it would depend on hashing.
         let mut best = (0.25 * self.cell * self.cell, None);
         for i in 0..8 {
             let step = vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
-            let b = bucket(corner + step, buckets);
-            for &k in &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize] {
-                let s = &surfels.all[k as usize];
+            if ROUNDED * (step * away).length_squared() > best.0 {
+                continue;
+            }
+            let b = bucket(own + step * beside, buckets);
+            for s in &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize] {
                 let cosine = s.normal.dot(normal);
                 let cost =
                     (s.position - point).length_squared() + TURN * spacing2 * (1.0 - cosine.abs());
                 let side = usize::from(cosine < 0.0);
-                if cost < best.0 && counts(k, side) {
-                    best = (cost, Some((k, side)));
+                if cost < best.0 && counts(s.index, side) {
+                    best = (cost, Some((s.index, side)));
                 }
             }
         }
@@ -88,4 +107,41 @@ fn bucket(cell: Vec3, buckets: usize) -> usize {
         ^ y.wrapping_mul(0xC2B2_AE3D_27D4_EB4F)
         ^ z.wrapping_mul(0x1656_67B1_9E37_79F9);
     ((h ^ h >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 32) as usize & (buckets - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surfel::Surfel;
+    use chiaro_basis::random::{r2, unit};
+
+    #[test]
+    fn the_nearest_is_that_of_all() {
+        let surfel = |i: u64| {
+            let [u, v] = r2(i);
+            // A floor and a wall.
+            let (position, normal) = match i % 2 {
+                0 => (vec3(u, 0.0, v), Vec3::Y),
+                _ => (vec3(u, v, 0.0), Vec3::Z),
+            };
+            Surfel { position, normal, alive: [!i.is_multiple_of(5), true], ..Surfel::default() }
+        };
+        let all: Vec<Surfel> = (0..2000).map(surfel).collect();
+        let surfels = Surfels { all, spacing: (2.0f32 / 2000.0).sqrt(), uneven: false };
+        let grid = SurfelGrid::new(&surfels);
+        let reach = (1.5 * surfels.spacing).powi(2);
+        for i in 0..400 {
+            let point = vec3(unit(1, i), 0.03 * unit(2, i), unit(3, i));
+            let normal = vec3(0.0, 1.0, unit(4, i)).normalize();
+            let cost = |s: &Surfel| {
+                let turn = 1.0 - s.normal.dot(normal).abs();
+                (s.position - point).length_squared() + TURN * surfels.spacing.powi(2) * turn
+            };
+            let lives = |s: &&Surfel| s.alive[usize::from(s.normal.dot(normal) < 0.0)];
+            let least = surfels.all.iter().filter(lives).map(cost).fold(reach, f32::min);
+            let found = grid.nearest(&surfels, point, normal);
+            let found = found.map_or(reach, |(k, _)| cost(&surfels.all[k as usize]));
+            assert!((found - least).abs() <= 1e-6 * reach, "{i}: {found} {least}");
+        }
+    }
 }
