@@ -70,6 +70,7 @@ mod quality;
 mod refine;
 mod sight;
 mod slice;
+mod strands;
 mod stroke;
 pub mod surface;
 pub mod track;

@@ -127,10 +127,15 @@ impl Stroke {
         let places = places(path, run, step, closed);
         let sample = |place: &Place| sample(path, place.rem_euclid_end(n), view, next_view);
         let samples: Vec<Sample> = places.iter().filter_map(sample).collect();
+        Self { chain: path.chain, ..Self::through(path.kind, closed, samples) }
+    }
+
+    /// A visible line through samples, of nothing that is known.
+    pub fn through(kind: Kind, closed: bool, samples: Vec<Sample>) -> Self {
         let mut stroke = Self {
             id: 0,
-            kind: path.kind,
-            chain: path.chain,
+            kind,
+            chain: 0,
             owner: None,
             closed,
             visible: true,

@@ -86,24 +86,7 @@ mod tests {
                 faces: [0; 2],
             }
         };
-        let mut stroke = Stroke {
-            id: 0,
-            kind: Kind::Intersection,
-            chain: 0,
-            owner: None,
-            closed: false,
-            visible: true,
-            samples: (0..10).map(sample).collect(),
-            length: Vec::new(),
-            u: Vec::new(),
-            u_period: None,
-            pixels_per_u: 1.0,
-            component: None,
-            repeats: None,
-            part: None,
-        };
-        stroke.measure();
-        stroke
+        Stroke::through(Kind::Intersection, false, (0..10).map(sample).collect())
     }
 
     #[test]

@@ -149,24 +149,9 @@ mod tests {
             normal: DVec3::Z,
             faces: [u32::from(k >= from), u32::MAX],
         };
-        let mut ring = Stroke {
-            id: 3,
-            kind: Kind::Silhouette,
-            chain: 0,
-            owner: Some(owner(0)),
-            closed: true,
-            visible: true,
-            samples: (0..40).map(sample).collect(),
-            length: Vec::new(),
-            u: Vec::new(),
-            u_period: None,
-            pixels_per_u: 1.0,
-            component: None,
-            repeats: None,
-            part: None,
-        };
-        ring.measure();
-        ring
+        let samples = (0..40).map(sample).collect();
+        let ring = Stroke::through(Kind::Silhouette, true, samples);
+        Stroke { id: 3, owner: Some(owner(0)), ..ring }
     }
 
     fn owner(object: u32) -> Owner {
