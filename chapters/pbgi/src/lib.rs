@@ -13,7 +13,7 @@
 //!    of closed bodies ([`surfel`], [`side`]).
 //! 3. [`bounce`](bounce::bounce) lets surfels light each other, any number of times.
 //! 4. [`Tree::build`] sums area and radiance lobes bottom-up as spherical harmonics ([`harmonic`],
-//!    [`tree`]); what a node stores is a type parameter ([`payload`]).
+//!    [`tree`]), surfaces that face different ways apart (`facing`); what a node stores is a type parameter ([`payload`]).
 //! 5. [`cut`] chooses nodes by solid angle; they are splatted, nearest first, into a cube buffer
 //!    ([`cube`]). The near field is rays on the triangles, not discs ([`near`]).
 //! 6. [`indirect`] shares one buffer among the pixels of a tile ([`tile`]) and short rays among those
@@ -46,6 +46,7 @@ pub mod cube;
 pub mod curve;
 pub mod cut;
 mod decode;
+mod facing;
 mod field;
 pub mod file;
 mod focus;

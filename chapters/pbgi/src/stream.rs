@@ -6,8 +6,8 @@
 //! 2. Dense surfels are counted in 2^21 cells along the Hilbert curve, and cut into batches of
 //!    whole cells with about [`BATCH`] surfels.
 //! 3. Of each batch: its sites are made once more, sorted along the curve, lit directly; to their
-//!    light is added what the nearest sparse surfel received by reflection; and parts of a tree are
-//!    coded ([`compact`](crate::compact)).
+//!    light is added what the nearest sparse surfel received by reflection; what faces different ways is
+//!    told apart (`facing`); and parts of a tree are coded ([`compact`](crate::compact)).
 //!
 //! In memory are the coded tree, one batch (some 200 bytes a surfel of it), the cells (16 MB), 24
 //! bytes a triangle that has surfels, and what the sparse set takes. A scene with no more surfels than the
@@ -16,6 +16,7 @@
 use crate::code::{Book, HEADROOM, Lobes, Recipe, turned};
 use crate::compact::{Builder, Compact, Format};
 use crate::curve::{BITS, Cube};
+use crate::facing;
 use crate::hierarchy::Hierarchy;
 use crate::near::Reflected;
 use crate::packed::{Floats, Packed, Record, Sums, records};
@@ -45,8 +46,14 @@ pub fn sorted(surfels: &[Surfel], cube: &Cube) -> Vec<Record> {
     let mut order: Vec<(u64, u32)> =
         surfels.par_iter().enumerate().map(|(i, s)| (cube.index(s.position), i as u32)).collect();
     order.par_sort_unstable();
-    let sorted: Vec<Surfel> = order.into_par_iter().map(|(_, i)| surfels[i as usize]).collect();
-    records(&sorted)
+    parted(order.into_par_iter().map(|(key, i)| (key, surfels[i as usize])).collect())
+}
+
+/// Records of surfels along the curve, told apart by where they face.
+fn parted(mut keyed: Vec<(u64, Surfel)>) -> Vec<Record> {
+    facing::part(&mut keyed);
+    let surfels: Vec<Surfel> = keyed.into_par_iter().map(|(_, s)| s).collect();
+    records(&surfels)
 }
 
 /// A node from which a book learns.
@@ -216,7 +223,8 @@ fn each_batch<T: Hierarchy>(
         run.check()?;
         let sites = run.stage("surfels", 0, || source.sites(&cells, range));
         let surfels = lit_sites(sparse, &sites, run)?;
-        run.stage("tree", surfels.len() as u64, || take(records(&surfels)))?;
+        let keyed = || surfels.par_iter().map(|s| (cube.index(s.position), *s)).collect();
+        run.stage("tree", surfels.len() as u64, || take(parted(keyed())))?;
     }
     Ok(())
 }

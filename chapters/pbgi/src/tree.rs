@@ -1,6 +1,6 @@
 //! [`Tree`]: a hierarchy of bounding spheres over surfels (thesis, 6.3.2, Point Hierarchy).
 //!
-//! 1. Surfels are sorted along a Z-curve.
+//! 1. Surfels are sorted along a Z-curve; in its cells, what faces different ways is told apart (`facing`).
 //! 2. A range of the curve is halved where its highest differing bit changes, or, in an octree, cut
 //!    wherever its highest differing three bits do: into the cells of a cube. So down to leaves of at most
 //!    [`LEAF`] surfels.
@@ -14,6 +14,7 @@
 //! where it is splatted. Guaranteed: the same bits for any number of threads.
 
 use crate::cut::Faces;
+use crate::facing;
 use crate::knob::Division;
 use crate::payload::{Exact, Payload};
 use crate::surfel::Surfel;
@@ -116,7 +117,10 @@ fn sorted(surfels: &[Surfel]) -> Vec<(u64, Surfel)> {
         })
         .collect();
     order.par_sort_unstable();
-    order.into_par_iter().map(|(key, i)| (key, surfels[i as usize])).collect()
+    let mut keyed: Vec<(u64, Surfel)> =
+        order.into_par_iter().map(|(key, i)| (key, surfels[i as usize])).collect();
+    facing::part(&mut keyed);
+    keyed
 }
 
 /// 21 bits of a coordinate, two gaps after each.
@@ -149,7 +153,7 @@ struct Summary {
 impl Part {
     /// Adds the subtree over a range of surfels.
     fn grow(&mut self, keys: &[u64], surfels: &[Surfel], first: u32) -> Summary {
-        if surfels.len() <= LEAF {
+        if surfels.len() <= LEAF && !facing::mixed(surfels) {
             let summary = leaf(surfels, first);
             self.nodes.push(summary.node);
             self.payload.push(summary.payload);
