@@ -5,6 +5,9 @@
 //! of a turning camera, of the scene's own animation, and of a light that turns, 360 pixels a side,
 //! and labels each with the knobs given, every `knob=value` in a row of its own beside the defaults
 //! (several joined by commas go into one row).
+//!
+//! Films are compared with the frames' own pictures, which have round borders and no small islands
+//! either; first come the reversals that the tone does not make itself.
 
 #![allow(clippy::print_stdout)]
 
@@ -149,14 +152,18 @@ impl Takes {
             }
         }
         let [film, alone] = &sums;
+        let ratio = |of: fn(&Flicker) -> f64| of(film) / of(alone).max(1e-12);
         println!(
-            "{motion:<13} {row:<28} reversals x {:.2} ({:.1e} of {:.1e}), energy +{:.2} % (islands alone +{:.2} %, coherence +{:.2} %), lag {:.2} px, pops {} of {} px, {:.0} ms a frame",
-            film.reversals_per_pixel() / alone.reversals_per_pixel().max(1e-12),
-            film.reversals_per_pixel(),
-            alone.reversals_per_pixel(),
+            "{motion:<13} {row:<28} reversals x {:.2} ({:.1e} of {:.1e}; with the tone's own, {:.1e} of {:.1e}, x {:.2}), energy over the frames' pictures +{:.2} % (over their cuts +{:.2} %, of it round borders and islands +{:.2} %), lag {:.2} px, pops {} of {} px, {:.0} ms a frame",
+            ratio(Flicker::flicker_per_pixel),
+            film.flicker_per_pixel(),
+            alone.flicker_per_pixel(),
+            film.tone_reversals_per_pixel(),
+            alone.tone_reversals_per_pixel(),
+            ratio(Flicker::reversals_per_pixel),
+            100.0 * ((1.0 + film.energy_excess()) / (1.0 + alone.energy_excess()) - 1.0),
             100.0 * film.energy_excess(),
             100.0 * alone.energy_excess(),
-            100.0 * ((1.0 + film.energy_excess()) / (1.0 + alone.energy_excess()) - 1.0),
             film.lag_px(),
             film.pop_p99(),
             alone.pop_p99(),

@@ -3,8 +3,12 @@
 //! A *flip* is a change of label along a link; a *reversal* is a flip that undoes another within
 //! [`REVERSAL`] frames at the same material point; a *tone flip* is a change of the sign of W - B
 //! along the same links; a *pop* is a connected group of flipped pixels near which nothing had the
-//! new colour before. Flips that the tone makes too are true; reversals are flicker. Of more than
-//! two labels the tone's side is the one that the pixel alone would take.
+//! new colour before. Of more than two labels the tone's side is the one that the pixel alone would
+//! take.
+//!
+//! Flips that the tone makes too are true, and so are reversals of which it makes both flips: they
+//! are counted apart. Links are to whole pixels, so along a crease that turns a border that keeps to
+//! it crosses pixels back and forth as they happen to fall on either side; what is left is flicker.
 
 use chiaro_image::Plane;
 use chiaro_image::labels::components;
@@ -44,6 +48,8 @@ pub struct Flicker {
     pub flips: u64,
     /// Flips that undo another.
     pub reversals: u64,
+    /// Of those, such that the tone made both flips.
+    pub tone_reversals: u64,
     /// Changes of the tone's side.
     pub tone_flips: u64,
     /// The largest pop of each pair of frames, in pixels.
@@ -64,8 +70,20 @@ struct Before {
     labels: Plane<u8>,
     alone: Plane<u8>,
     tone: Plane<u8>,
-    /// Frames since the material point's last flip; 255 for long.
-    age: Plane<u8>,
+    last: Plane<Flip>,
+}
+
+/// A material point's last flip.
+#[derive(Clone, Copy, Debug)]
+struct Flip {
+    /// Frames since; 255 for long.
+    age: u8,
+    /// Whether the tone flipped with it.
+    by_tone: bool,
+}
+
+impl Flip {
+    const NEVER: Self = Self { age: u8::MAX, by_tone: false };
 }
 
 impl Flicker {
@@ -75,16 +93,16 @@ impl Flicker {
             *sum += e;
         }
         let before = self.before.take().filter(|b| b.number + 1 == number);
-        let age = match &before {
+        let last = match &before {
             Some(before) => self.compare(before, shown),
-            None => shown.labels.map(|_| u8::MAX),
+            None => shown.labels.map(|_| Flip::NEVER),
         };
         self.before = Some(Before {
             number,
             labels: shown.labels.clone(),
             alone: shown.alone.clone(),
             tone: shown.tone.clone(),
-            age,
+            last,
         });
     }
 
@@ -93,6 +111,7 @@ impl Flicker {
         self.visible += other.visible;
         self.flips += other.flips;
         self.reversals += other.reversals;
+        self.tone_reversals += other.tone_reversals;
         self.tone_flips += other.tone_flips;
         self.pops.extend(&other.pops);
         self.energy = [self.energy[0] + other.energy[0], self.energy[1] + other.energy[1]];
@@ -108,6 +127,16 @@ impl Flicker {
     /// Reversals per visible pixel.
     pub fn reversals_per_pixel(&self) -> f64 {
         self.per_pixel(self.reversals)
+    }
+
+    /// Reversals per visible pixel of which the tone made both flips.
+    pub fn tone_reversals_per_pixel(&self) -> f64 {
+        self.per_pixel(self.tone_reversals)
+    }
+
+    /// Reversals per visible pixel that the tone did not make.
+    pub fn flicker_per_pixel(&self) -> f64 {
+        self.per_pixel(self.reversals - self.tone_reversals)
     }
 
     /// Tone flips per visible pixel.
@@ -151,10 +180,10 @@ impl Flicker {
         if self.lag.1 == 0 { 0.0 } else { self.lag.0 / self.lag.1 as f64 }
     }
 
-    /// Counts what changed; the ages of the flips after it.
-    fn compare(&mut self, before: &Before, shown: &Shown) -> Plane<u8> {
+    /// Counts what changed; the last flips after it.
+    fn compare(&mut self, before: &Before, shown: &Shown) -> Plane<Flip> {
         let (w, h) = shown.labels.size();
-        let mut age = Plane::filled(w, h, u8::MAX);
+        let mut last = Plane::filled(w, h, Flip::NEVER);
         let mut popped = Plane::filled(w, h, false);
         let mut moved = Plane::filled(w, h, false);
         for i in 0..w * h {
@@ -163,23 +192,27 @@ impl Flicker {
                 continue;
             }
             let from = link as usize;
-            let label = shown.labels.pixels()[i];
+            let (label, former) = (shown.labels.pixels()[i], before.labels.pixels()[from]);
+            let (tone, tone_before) = (shown.tone.pixels()[i], before.tone.pixels()[from]);
             self.visible += 1;
-            self.tone_flips += u64::from(shown.tone.pixels()[i] != before.tone.pixels()[from]);
+            self.tone_flips += u64::from(tone != tone_before);
             moved.pixels_mut()[i] = shown.alone.pixels()[i] != before.alone.pixels()[from];
-            let older = before.age.pixels()[from].saturating_add(1);
-            age.pixels_mut()[i] = older;
-            if label != before.labels.pixels()[from] {
+            let older = before.last.pixels()[from];
+            let age = older.age.saturating_add(1);
+            last.pixels_mut()[i] = Flip { age, ..older };
+            if label != former {
+                let by_tone = (tone, tone_before) == (label, former);
                 self.flips += 1;
-                self.reversals += u64::from(older <= REVERSAL);
-                age.pixels_mut()[i] = 0;
+                self.reversals += u64::from(age <= REVERSAL);
+                self.tone_reversals += u64::from(age <= REVERSAL && by_tone && older.by_tone);
+                last.pixels_mut()[i] = Flip { age: 0, by_tone };
                 popped.pixels_mut()[i] = !is_near(&before.labels, from, label);
             }
         }
         let groups = components(shown.labels, &popped).pieces;
         self.pops.push(groups.iter().map(|p| p.area as u32).max().unwrap_or(0));
         self.measure_lag(shown, before, &moved);
-        age
+        last
     }
 
     /// Compares each border of the film, where the frame's own cut has one that just moved nearby,
@@ -283,6 +316,17 @@ mod tests {
         assert!((film.energy_excess() - 0.1).abs() < 1e-9);
         let islands = Flicker { islands: 7, ..film };
         assert!((islands.coherence_excess()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn reversals_that_the_tone_makes_are_told_apart() {
+        let tones = ["..##", ".###", "..##"];
+        let same = measured(&tones.map(|t| (t, t)));
+        assert_eq!((same.reversals, same.tone_reversals), (1, 1));
+        let other =
+            measured(&[("..##", "..##"), ("..##", ".###"), (".###", ".###"), ("..##", "..##")]);
+        assert_eq!((other.reversals, other.tone_reversals), (1, 0));
+        assert!(other.flicker_per_pixel() > 0.0 && same.flicker_per_pixel() == 0.0);
     }
 
     #[test]

@@ -324,6 +324,7 @@ fn flicker_counts(layers: &[Flicker]) -> Map<String, Value> {
     let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
     put("flips_per_pixel", json!(flicker.flips_per_pixel()));
     put("reversals_per_pixel", json!(flicker.reversals_per_pixel()));
+    put("tone_reversals_per_pixel", json!(flicker.tone_reversals_per_pixel()));
     put("tone_flips_per_pixel", json!(flicker.tone_flips_per_pixel()));
     put("pop_p99_px", json!(flicker.pop_p99()));
     put("energy_excess", json!(flicker.energy_excess()));

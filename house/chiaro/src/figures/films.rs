@@ -64,14 +64,18 @@ pub(super) fn flicker(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
                 let made = sequence.film(labelling, run)?;
                 let number = |name: &str| made.measures[name].as_f64().unwrap_or(0.0);
                 let reversals = number("reversals_per_pixel");
-                let ratio = reversals / *alone.get_or_insert(reversals.max(1e-12));
+                let untrue = reversals - number("tone_reversals_per_pixel");
+                let [all, untrue_alone] =
+                    *alone.get_or_insert([reversals.max(1e-12), untrue.max(1e-12)]);
+                let (ratio, untrue) = (reversals / all, untrue / untrue_alone);
                 let caption = format!(
-                    "{}, {}, {method}: reversals x {ratio:.2}, energy +{:.1} % (+{:.1} past \
-                     the same rule for islands), lag {:.2} px, pops {} px",
+                    "{}, {}, {method}: reversals x {untrue:.2} (x {ratio:.2} with the tone's \
+                     own), energy +{:.1} % over the frames' pictures (+{:.1} over their cuts), \
+                     lag {:.2} px, pops {} px",
                     short(scene),
                     sequence.motion,
-                    100.0 * number("energy_excess"),
                     100.0 * number("coherence_excess"),
+                    100.0 * number("energy_excess"),
                     number("lag_px"),
                     made.measures["pop_p99_px"],
                 );
@@ -86,6 +90,7 @@ pub(super) fn flicker(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
                 row.insert("motion".into(), sequence.motion.into());
                 row.insert("method".into(), method.into());
                 row.insert("reversals_against_alone".into(), ratio.into());
+                row.insert("untrue_reversals_against_alone".into(), untrue.into());
                 rows.push(Value::Object(row));
             }
         }
