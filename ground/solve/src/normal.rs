@@ -38,33 +38,41 @@ struct Part {
     unknowns: Vec<u32>,
     /// Its rows.
     rows: Vec<u32>,
+    pattern: Arc<Pattern>,
+    /// The part that was factored before and has the same left sides.
+    same: Option<u32>,
+}
+
+/// Where the numbers of some unknowns and rows go.
+struct Pattern {
     /// Lower triangle by columns, in local numbers.
-    starts: Vec<usize>,
-    below: Vec<usize>,
+    starts: Vec<u32>,
+    below: Vec<u32>,
     /// For each row in turn, the local numbers of its unknowns.
     numbers: Vec<u32>,
     /// For each row in turn, for each pair of its entries (i, j <= i), the place of their product.
     places: Vec<u32>,
-    symbolic: Option<Arc<SymbolicCholesky<usize>>>,
+    symbolic: Option<SymbolicCholesky<u32>>,
 }
 
 impl Normal {
     /// Lays out and factors the pattern of some equations.
     pub fn new(rows: &Rows) -> Self {
-        Self::after(rows, None)
+        Self::after(rows.clone(), None)
     }
 
     /// The same where equations like these were factored `before`: parts whose pattern they share are not
     /// factored again. Solutions are those that [`Normal::new`] leads to, bit for bit.
-    pub fn after(rows: &Rows, before: Option<&Self>) -> Self {
-        let (members, equations, local) = parts_of(rows);
-        let mut known: BTreeMap<[usize; 2], Vec<&Part>> = BTreeMap::new();
-        for part in before.into_iter().flat_map(|b| &b.parts) {
-            known.entry(part.size()).or_default().push(part);
+    pub fn after(rows: Rows, before: Option<&Self>) -> Self {
+        let (members, equations, local) = parts_of(&rows);
+        let mut known = Known { rows: before.map(|b| &b.rows), parts: BTreeMap::new() };
+        for part in (0..).zip(before.into_iter().flat_map(|b| &b.parts)) {
+            known.parts.entry(part.1.size()).or_default().push(part);
         }
         let parts = members.into_par_iter().zip(equations);
-        let part = |(unknowns, own)| Part::new(rows, (unknowns, own), &local, &known);
-        Self { rows: rows.clone(), parts: parts.map(part).collect() }
+        let part = |(unknowns, own)| Part::new(&rows, (unknowns, own), &local, &known);
+        let parts = parts.map(part).collect();
+        Self { rows, parts }
     }
 
     /// The equations.
@@ -77,19 +85,56 @@ impl Normal {
         self.parts.len()
     }
 
+    /// Unknowns of one of the independent problems, rising.
+    pub fn unknowns_of(&self, part: usize) -> &[u32] {
+        &self.parts[part].unknowns
+    }
+
+    /// Equations of one of the independent problems, rising.
+    pub fn rows_of(&self, part: usize) -> &[u32] {
+        &self.parts[part].rows
+    }
+
+    /// The independent problem among those `before` whose left sides are those of this one, bit for bit,
+    /// its unknowns and equations in the same order.
+    pub fn same_before(&self, part: usize) -> Option<usize> {
+        self.parts[part].same.map(|p| p as usize)
+    }
+
     /// The unknowns that minimize the sum of weight times (left side - right side) squared.
     pub fn solve(&self, weights: &[f64], right: &[f64]) -> Result<Vec<f64>, Singular> {
-        assert!(weights.len() == self.rows.len() && right.len() == self.rows.len());
-        let solve = |part: &Part| part.solve(&self.rows, weights, right);
-        let solved: Vec<Result<Vec<f64>, Singular>> = self.parts.par_iter().map(solve).collect();
         let mut x = vec![0.0; self.rows.unknowns()];
-        for (part, values) in self.parts.iter().zip(solved) {
+        self.solve_some(weights, right, &vec![true; self.parts.len()], &mut x)?;
+        Ok(x)
+    }
+
+    /// The same for some of the independent problems; the unknowns of the others stay as they are.
+    pub fn solve_some(
+        &self,
+        weights: &[f64],
+        right: &[f64],
+        which: &[bool],
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        assert!(weights.len() == self.rows.len() && right.len() == self.rows.len());
+        assert!(which.len() == self.parts.len() && x.len() == self.rows.unknowns());
+        let some: Vec<&Part> =
+            self.parts.iter().zip(which).filter(|(_, which)| **which).map(|(p, _)| p).collect();
+        let solve = |part: &&Part| part.solve(&self.rows, weights, right);
+        let solved: Vec<Result<Vec<f64>, Singular>> = some.par_iter().map(solve).collect();
+        for (part, values) in some.into_iter().zip(solved) {
             for (unknown, value) in part.unknowns.iter().zip(values?) {
                 x[*unknown as usize] = value;
             }
         }
-        Ok(x)
+        Ok(())
     }
+}
+
+/// What was factored before: parts with their numbers, by size.
+struct Known<'a> {
+    rows: Option<&'a Rows>,
+    parts: BTreeMap<[usize; 2], Vec<(u32, &'a Part)>>,
 }
 
 /// Unknowns and rows of each part, and each unknown's number within its part.
@@ -132,38 +177,36 @@ fn root(parent: &mut [u32], mut x: u32) -> u32 {
 }
 
 /// The pairs of entries of a row, each as (column, row) of the lower triangle.
-fn pairs<'a>(
-    row: &'a [(u32, f64)],
-    local: &'a [u32],
-) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
-    row.iter().enumerate().flat_map(move |(k, (i, a))| {
-        row[..=k].iter().map(move |(j, b)| {
-            let (i, j) = (local[*i as usize] as usize, local[*j as usize] as usize);
-            (i.min(j), i.max(j), a * b)
+fn pairs<'a>(row: &'a [(u32, f64)], local: &'a [u32]) -> impl Iterator<Item = (u32, u32)> + 'a {
+    row.iter().enumerate().flat_map(move |(k, (i, _))| {
+        row[..=k].iter().map(move |(j, _)| {
+            let (i, j) = (local[*i as usize], local[*j as usize]);
+            (i.min(j), i.max(j))
         })
     })
 }
 
 /// Where the columns of a lower triangle start and what rows they hold, the diagonal and some pairs
 /// of (column, row), each once.
-fn triangle<I: Iterator<Item = (usize, usize)>>(
+fn triangle<I: Iterator<Item = (u32, u32)>>(
     n: usize,
     pairs: impl Fn() -> I,
-) -> (Vec<usize>, Vec<usize>) {
+) -> (Vec<u32>, Vec<u32>) {
     // Room for all of a column's pairs first.
     let mut ends = vec![1; n];
-    pairs().for_each(|(column, _)| ends[column] += 1);
+    pairs().for_each(|(column, _)| ends[column as usize] += 1);
     let mut total = 0;
     for end in &mut ends {
         total += std::mem::replace(end, total);
     }
     let first = ends.clone();
     let mut room = vec![0; total];
-    for (column, row) in (0..n).map(|i| (i, i)).chain(pairs()) {
-        room[ends[column]] = row;
-        ends[column] += 1;
+    for (column, row) in (0..n as u32).map(|i| (i, i)).chain(pairs()) {
+        let end = &mut ends[column as usize];
+        room[*end] = row;
+        *end += 1;
     }
-    let (mut starts, mut below) = (vec![0], Vec::with_capacity(total / 2));
+    let (mut starts, mut below) = (vec![0], Vec::new());
     for (from, to) in first.into_iter().zip(ends) {
         room[from..to].sort_unstable();
         let start = below.len();
@@ -172,57 +215,84 @@ fn triangle<I: Iterator<Item = (usize, usize)>>(
                 below.push(row);
             }
         }
-        starts.push(below.len());
+        starts.push(below.len() as u32);
     }
+    below.shrink_to_fit();
     (starts, below)
 }
 
 /// The pattern of the factor of a lower triangle.
-fn factored(n: usize, starts: &[usize], below: &[usize]) -> Option<SymbolicCholesky<usize>> {
+fn factored(n: usize, starts: &[u32], below: &[u32]) -> Option<SymbolicCholesky<u32>> {
     let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, below);
     let params = CholeskySymbolicParams::default();
     factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params).ok()
 }
 
+impl Pattern {
+    /// Of `n` unknowns and some rows.
+    fn new(rows: &Rows, own: &[u32], local: &[u32], n: usize) -> Self {
+        let all = || own.iter().flat_map(|r| pairs(rows.row(*r as usize), local));
+        let (starts, below) = triangle(n, all);
+        let place = |(column, row): (u32, u32)| {
+            let [from, to] = [column, column + 1].map(|c| starts[c as usize] as usize);
+            let k = below[from..to].binary_search(&row);
+            (from + k.expect("the pattern holds every pair")) as u32
+        };
+        let places = all().map(place).collect();
+        let numbers = numbers(rows, own, local).collect();
+        let symbolic = factored(n, &starts, &below);
+        Self { starts, below, numbers, places, symbolic }
+    }
+}
+
+/// The local numbers of the unknowns of some rows, one after the other.
+fn numbers<'a>(rows: &'a Rows, own: &'a [u32], local: &'a [u32]) -> impl Iterator<Item = u32> + 'a {
+    own.iter().flat_map(|r| rows.row(*r as usize)).map(|(i, _)| local[*i as usize])
+}
+
 impl Part {
-    /// Unknowns and entries.
+    /// Unknowns and rows.
     fn size(&self) -> [usize; 2] {
-        [self.unknowns.len(), self.below.len()]
+        [self.unknowns.len(), self.rows.len()]
     }
 
     fn new(
         rows: &Rows,
         (unknowns, own): (Vec<u32>, Vec<u32>),
         local: &[u32],
-        known: &BTreeMap<[usize; 2], Vec<&Self>>,
+        known: &Known<'_>,
     ) -> Self {
-        let n = unknowns.len();
-        let all = || own.iter().flat_map(|r| pairs(rows.row(*r as usize), local));
-        let (starts, below) = triangle(n, || all().map(|(column, row, _)| (column, row)));
-        let place = |(column, row, _): (usize, usize, f64)| {
-            let column = starts[column]..starts[column + 1];
-            let k = below[column.clone()].binary_search(&row);
-            (column.start + k.expect("the pattern holds every pair")) as u32
+        let of_size = known.parts.get(&[unknowns.len(), own.len()]).map_or(&[][..], Vec::as_slice);
+        let alike = |p: &Self| {
+            let lengths = own.iter().zip(&p.rows);
+            let others = known.rows;
+            lengths.into_iter().all(|(r, s)| {
+                others.is_some_and(|o| rows.row(*r as usize).len() == o.row(*s as usize).len())
+            }) && numbers(rows, &own, local).eq(p.pattern.numbers.iter().copied())
         };
-        let places = all().map(place).collect();
-        let entries = own.iter().flat_map(|r| rows.row(*r as usize));
-        let numbers = entries.map(|(i, _)| local[*i as usize]).collect();
-        let same = |p: &&&Self| p.starts == starts && p.below == below;
-        let known = known.get(&[n, below.len()]).and_then(|parts| parts.iter().find(same));
-        let symbolic = match known {
-            Some(part) => part.symbolic.clone(),
-            None => factored(n, &starts, &below).map(Arc::new),
+        let equal = |p: &Self| {
+            let coefficients = |rows: &Rows, own: &[u32]| -> Vec<f64> {
+                own.iter().flat_map(|r| rows.row(*r as usize)).map(|e| e.1).collect()
+            };
+            known.rows.is_some_and(|o| coefficients(rows, &own) == coefficients(o, &p.rows))
         };
-        Self { unknowns, rows: own, starts, below, numbers, places, symbolic }
+        let alike: Vec<&(u32, &Self)> = of_size.iter().filter(|(_, p)| alike(p)).collect();
+        let same = alike.iter().find(|(_, p)| equal(p)).map(|(number, _)| *number);
+        let pattern = match alike.first() {
+            Some((_, part)) => part.pattern.clone(),
+            None => Arc::new(Pattern::new(rows, &own, local, unknowns.len())),
+        };
+        Self { unknowns, rows: own, pattern, same }
     }
 
     fn solve(&self, rows: &Rows, weights: &[f64], right: &[f64]) -> Result<Vec<f64>, Singular> {
         let singular = Singular { unknown: self.unknowns[0] as usize };
         let (values, mut x) = self.assembled(rows, weights, right);
         let finite = values.iter().chain(&x).all(|v| v.is_finite());
-        let symbolic = self.symbolic.as_ref().filter(|_| finite).ok_or(singular)?;
+        let Pattern { starts, below, symbolic, .. } = &*self.pattern;
+        let symbolic = symbolic.as_ref().filter(|_| finite).ok_or(singular)?;
         let n = x.len();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.starts, None, &self.below);
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, below);
         let matrix = SparseColMatRef::new(pattern, values.as_slice());
         let mut factor = vec![0.0; symbolic.len_val()];
         let request = symbolic
@@ -248,9 +318,10 @@ impl Part {
 
     /// The lower triangle of A'WA, and A'Wb.
     fn assembled(&self, rows: &Rows, weights: &[f64], right: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let mut values = vec![0.0; self.below.len()];
+        let Pattern { below, places, numbers, .. } = &*self.pattern;
+        let mut values = vec![0.0; below.len()];
         let mut x = vec![0.0; self.unknowns.len()];
-        let (mut places, mut numbers) = (self.places.iter(), self.numbers.iter());
+        let (mut places, mut numbers) = (places.iter(), numbers.iter());
         for &r in &self.rows {
             let (row, weight) = (rows.row(r as usize), weights[r as usize]);
             for ((k, (_, a)), number) in row.iter().enumerate().zip(numbers.by_ref()) {

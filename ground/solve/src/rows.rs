@@ -15,6 +15,12 @@ impl Rows {
         Self { unknowns, starts: vec![0], entries: Vec::new() }
     }
 
+    /// Makes room for so many more equations with so many entries in all.
+    pub fn reserve(&mut self, rows: usize, entries: usize) {
+        self.starts.reserve_exact(rows);
+        self.entries.reserve_exact(entries);
+    }
+
     /// Adds the equation whose left side is the sum of coefficient times unknown; answers its index.
     ///
     /// An unknown may come more than once; coefficients add up.

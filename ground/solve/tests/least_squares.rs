@@ -60,7 +60,7 @@ proptest! {
         let mut more = rows.clone();
         more.push(&[(0, 1.0), (11, -1.0)]);
         for before in [&normal, &Normal::new(&more)] {
-            let again = Normal::after(&rows, Some(before)).solve(&weights, &right).unwrap();
+            let again = Normal::after(rows.clone(), Some(before)).solve(&weights, &right).unwrap();
             prop_assert_eq!(&again, &found);
         }
         // The pattern serves other weights.
@@ -107,6 +107,35 @@ fn parts_are_solved_on_their_own() {
     assert_eq!(normal.parts(), 3);
     let x = normal.solve(&[1.0; 6], &[1.0, 0.0, 2.0, 0.0, 3.0, 0.0]).unwrap();
     assert!((x[5] - 3.0).abs() < 1e-12);
+    // The others stay.
+    let mut some = vec![7.0; 6];
+    let right = [1.0, 0.0, 5.0, 0.0, 3.0, 0.0];
+    normal.solve_some(&[1.0; 6], &right, &[false, true, false], &mut some).unwrap();
+    assert_eq!((normal.unknowns_of(1), normal.rows_of(1)), (&[1, 4][..], &[2, 3][..]));
+    for (x, expected) in some.iter().zip([7.0, 5.0, 7.0, 7.0, 5.0, 7.0]) {
+        assert!((x - expected).abs() < 1e-12, "{some:?}");
+    }
+}
+
+#[test]
+fn parts_are_known_again_by_their_left_sides() {
+    let of = |slope: f64| {
+        let mut rows = Rows::new(5);
+        for (i, a) in [(0, 2.0), (2, slope)] {
+            rows.push(&[(i, 1.0)]);
+            rows.push(&[(i, 1.0), (i + 1, a)]);
+        }
+        rows.push(&[(4, 1.0)]);
+        rows
+    };
+    let before = Normal::new(&of(3.0));
+    let same = |rows: Rows| {
+        let normal = Normal::after(rows, Some(&before));
+        [0, 1, 2].map(|part| normal.same_before(part))
+    };
+    assert_eq!(same(of(3.0)), [Some(0), Some(1), Some(2)]);
+    assert_eq!(same(of(2.0)), [Some(0), Some(0), Some(2)]);
+    assert_eq!(same(of(5.0)), [Some(0), None, Some(2)]);
 }
 
 #[test]

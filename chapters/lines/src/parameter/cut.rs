@@ -8,8 +8,11 @@
 //!    sigma are cut, and single links over three times that.
 //!
 //! What is left agrees, so that plain least squares at any weight has no reason to fold.
+//!
+//! Parts of the film that nothing joins go their own ways: a scale at which all of a part's links would be
+//! trusted is left out, and a part that is as it was before others were cut keeps its parameters.
 
-use super::energy::{Energy, Weights};
+use super::energy::{Energy, Factors, Weights};
 use super::failed;
 use super::net::{Link, Net};
 use chiaro_basis::{Result, Run};
@@ -21,6 +24,10 @@ pub(crate) const ANNEAL: [f64; 8] = [200.0, 100.0, 50.0, 25.0, 12.0, 8.0, 8.0, 8
 pub(crate) const AGAIN: [f64; 4] = [100.0, 30.0, 10.0, 8.0];
 /// w_proj of the stiff solve.
 const STIFF: f64 = 1e-3;
+/// Residuals below this share of a scale leave links trusted, by 0.89 at least.
+const TRUSTED: f64 = 0.25;
+/// A part has settled when residuals change by less, pixels.
+const STILL: f64 = 0.1;
 /// Single links go beyond this many sliding limits.
 const SINGLE: f64 = 3.0;
 
@@ -51,28 +58,54 @@ pub(crate) struct Robust<'a> {
 }
 
 impl Robust<'_> {
-    /// Finds the links that agree. `period` is that of each closed line without a seam.
+    /// Finds the links that agree. `period` is that of each closed line without a seam; `before`, what
+    /// was found before lines were cut.
     pub(crate) fn agreeing(
         &self,
         net: &Net,
         energy: &Energy,
         scale: &[f64],
         period: &[Option<f64>],
+        before: Option<(&Energy, &Kept)>,
     ) -> Result<Kept> {
         let stiff = vec![1.0; energy.stretches.len()];
         let weights = Weights { projection: STIFF, ..self.weights };
         let mut u = guess(net, scale, period);
+        let done = before.map(|(e, kept)| energy.unchanged(e, &kept.u, &mut u));
+        let done = done.unwrap_or_else(|| vec![false; energy.parts()]);
         let mut wraps = wraps(net, energy, period, &u);
-        for s in self.anneal {
+        let left = |u: &[f64], wraps: &[f64]| -> Vec<f64> {
+            (0..net.links.len()).map(|i| energy.residual(i, u, wraps[i])).collect()
+        };
+        let mut residual = left(&u, &wraps);
+        // Scales below this change a part.
+        let mut reach: Vec<f64> =
+            done.iter().map(|done| if *done { 0.0 } else { f64::INFINITY }).collect();
+        let last = self.anneal.last().copied().unwrap_or(0.0);
+        for &s in self.anneal {
             self.run.check()?;
-            let trust: Vec<f64> = (0..net.links.len())
-                .map(|i| (1.0 + (energy.residual(i, &u, wraps[i]) / *s).powi(2)).powi(-2))
-                .collect();
-            u = energy.solve(&weights, &stiff, &trust, &wraps).map_err(failed)?;
-            wraps = self::wraps(net, energy, period, &u);
+            let which: Vec<bool> = reach.iter().map(|reach| s < *reach).collect();
+            if !which.contains(&true) {
+                continue;
+            }
+            let trust: Vec<f64> =
+                residual.iter().map(|r| (1.0 + (r / s).powi(2)).powi(-2)).collect();
+            let by = Factors { stiff: &stiff, trust: &trust, wraps: &wraps };
+            energy.solve_some(&weights, &by, &which, &mut u).map_err(failed)?;
+            let turned = self::wraps(net, energy, period, &u);
+            let now = left(&u, &turned);
+            for (part, reach) in reach.iter_mut().enumerate().filter(|(p, _)| which[*p]) {
+                let most =
+                    |f: &dyn Fn(usize) -> f64| energy.links_of(part).map(f).fold(0.0, f64::max);
+                let settled = s == last && most(&|i| (now[i] - residual[i]).abs()) < STILL;
+                *reach = match energy.links_of(part).any(|i| turned[i] != wraps[i]) {
+                    true => f64::INFINITY,
+                    false if settled => 0.0,
+                    false => most(&|i| now[i].abs()) / TRUSTED,
+                };
+            }
+            (wraps, residual) = (turned, now);
         }
-        let residual: Vec<f64> =
-            (0..net.links.len()).map(|i| energy.residual(i, &u, wraps[i])).collect();
         let trust = trusted(net, &residual, self.sigma);
         let cut = || net.links.iter().zip(&trust).filter(|(_, t)| **t == 0.0);
         let (count, cut_length) = (cut().count(), cut().map(|(l, _)| l.weight).sum());

@@ -53,6 +53,17 @@ pub(crate) struct Stretch {
     target: f64,
 }
 
+/// What weights and right sides are changed by.
+#[derive(Clone, Copy)]
+pub(crate) struct Factors<'a> {
+    /// On distortion rows, in their order.
+    pub(crate) stiff: &'a [f64],
+    /// On links.
+    pub(crate) trust: &'a [f64],
+    /// What is added to each link's right side, in units of u.
+    pub(crate) wraps: &'a [f64],
+}
+
 /// Rows with what their weights and right sides are made of.
 pub(crate) struct Energy {
     normal: Normal,
@@ -69,7 +80,11 @@ impl Energy {
     /// The rows of a net; patterns that they share with those `before` are not factored again.
     pub(crate) fn of(net: &Net, setting: &Setting<'_>, before: Option<&Self>) -> Self {
         let mut rows = Rows::new(net.unknowns);
-        let mut stretches = Vec::new();
+        let (links, anchors) = (net.links.len(), net.lines.len());
+        let ends = if setting.stretched { 2 * anchors } else { 0 };
+        let few = ends + anchors;
+        rows.reserve(net.unknowns + links + few, 2 * net.unknowns + 3 * links + few);
+        let mut stretches = Vec::with_capacity(net.unknowns);
         for (l, line) in net.lines.iter().enumerate() {
             let (scale, dt) = (setting.scale[l], setting.dt[line.frame as usize]);
             for (k, ([a, b], ds)) in line.segments().enumerate() {
@@ -84,7 +99,7 @@ impl Energy {
                 stretches.push(Stretch { unknowns: [a, b], ds, weight: dt / ds, target });
             }
         }
-        let mut links = Vec::new();
+        let mut links = Vec::with_capacity(net.links.len());
         for link in &net.links {
             let [a, b] = link.lines.map(|l| setting.scale[l as usize]);
             let scale = 0.5 * (a + b);
@@ -105,19 +120,26 @@ impl Energy {
         for (l, line) in net.lines.iter().enumerate() {
             rows.push(&[(line.first, setting.scale[l])]);
         }
-        let normal = Normal::after(&rows, before.map(|b| &b.normal));
+        let normal = Normal::after(rows, before.map(|b| &b.normal));
         Self { normal, stretches, links, ends, anchors: net.lines.len() }
     }
 
-    /// The parameters that minimize the energy. `stiff`: factors on distortion rows, in their order; `trust`: factors on links; `wraps`: what is added to each link's
-    /// right side, in units of u.
-    pub(crate) fn solve(
+    /// The parameters that minimize the energy.
+    pub(crate) fn solve(&self, weights: &Weights, by: &Factors<'_>) -> Result<Vec<f64>, Singular> {
+        let mut u = vec![0.0; self.normal.rows().unknowns()];
+        self.solve_some(weights, by, &vec![true; self.parts()], &mut u)?;
+        Ok(u)
+    }
+
+    /// The same for `which` of the parts that nothing joins; parameters of the others stay.
+    pub(crate) fn solve_some(
         &self,
         weights: &Weights,
-        stiff: &[f64],
-        trust: &[f64],
-        wraps: &[f64],
-    ) -> Result<Vec<f64>, Singular> {
+        by: &Factors<'_>,
+        which: &[bool],
+        u: &mut [f64],
+    ) -> Result<(), Singular> {
+        let Factors { stiff, trust, wraps } = *by;
         let mut weight = Vec::with_capacity(self.normal.rows().len());
         let mut right = Vec::with_capacity(weight.capacity());
         for (stretch, factor) in self.stretches.iter().zip(stiff) {
@@ -134,7 +156,62 @@ impl Energy {
         }
         weight.extend(std::iter::repeat_n(ANCHOR, self.anchors));
         right.extend(std::iter::repeat_n(0.0, self.anchors));
-        self.normal.solve(&weight, &right)
+        self.normal.solve_some(&weight, &right, which, u)
+    }
+
+    /// How many parts there are that nothing joins.
+    pub(crate) fn parts(&self) -> usize {
+        self.normal.parts()
+    }
+
+    /// The distortion rows of a part.
+    pub(crate) fn stretches_of(&self, part: usize) -> impl Iterator<Item = usize> + '_ {
+        let rows = self.normal.rows_of(part);
+        let end = rows.partition_point(|r| (*r as usize) < self.stretches.len());
+        rows[..end].iter().map(|r| *r as usize)
+    }
+
+    /// The links of a part.
+    pub(crate) fn links_of(&self, part: usize) -> impl Iterator<Item = usize> + '_ {
+        let rows = self.normal.rows_of(part);
+        let first = self.stretches.len();
+        let before = |end: usize| rows.partition_point(|r| (*r as usize) < end);
+        rows[before(first)..before(first + self.links.len())]
+            .iter()
+            .map(move |r| *r as usize - first)
+    }
+
+    /// Copies the parameters of parts whose rows are as they were `before`, and says which they are.
+    pub(crate) fn unchanged(&self, before: &Self, then: &[f64], u: &mut [f64]) -> Vec<bool> {
+        let copied = |part: usize| {
+            let old = self.normal.same_before(part).filter(|old| self.is(part, before, *old));
+            let Some(old) = old else { return false };
+            let unknowns = self.normal.unknowns_of(part).iter();
+            for (k, old) in unknowns.zip(before.normal.unknowns_of(old)) {
+                u[*k as usize] = then[*old as usize];
+            }
+            true
+        };
+        (0..self.parts()).map(copied).collect()
+    }
+
+    /// Whether weights and right sides of a part are those of a part that has its left sides.
+    fn is(&self, part: usize, before: &Self, old: usize) -> bool {
+        let rows = self.normal.rows_of(part).iter().zip(before.normal.rows_of(old));
+        rows.into_iter().all(|(r, s)| self.data(*r as usize) == before.data(*s as usize))
+    }
+
+    /// Weight, right side, and length or scale of a row.
+    fn data(&self, row: usize) -> [f64; 3] {
+        let (stretches, links) = (self.stretches.len(), self.links.len());
+        if let Some(s) = self.stretches.get(row) {
+            return [s.weight, s.target, s.ds];
+        }
+        if let Some((weight, scale)) = self.links.get(row - stretches) {
+            return [*weight, 0.0, *scale];
+        }
+        let end = self.ends.get(row - stretches - links);
+        end.map_or([0.0; 3], |(weight, target)| [*weight, *target, 0.0])
     }
 
     /// L du / ds of each distortion row: 1 where the texture has its size, 0 where it stands still,

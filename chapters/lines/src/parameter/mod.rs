@@ -191,8 +191,9 @@ impl Parameters {
             Cuts::None => cut::all(&net, &energy, &scale, &period),
             _ => {
                 let sigma = f64::from(knobs.sliding_limit);
+                let judged = before.map(|b| (&b.energy, &b.kept));
                 let robust = cut::Robust { weights: Weights::of(knobs), anneal, sigma, run };
-                robust.agreeing(&net, &energy, &scale, &period)?
+                robust.agreeing(&net, &energy, &scale, &period, judged)?
             }
         };
         let parts = Parts { origins: Vec::new(), components: Vec::new() };

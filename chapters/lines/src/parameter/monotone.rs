@@ -4,7 +4,7 @@
 //! solved again. What is left is the nearest line that rises by a share of its length on every
 //! segment (pool adjacent violators, weighted by length), exactly.
 
-use super::energy::{Energy, Weights};
+use super::energy::{Energy, Factors, Weights};
 use super::net::{Line, Net};
 use chiaro_solve::Singular;
 
@@ -24,19 +24,21 @@ pub(crate) fn solve(
 ) -> Result<(Vec<f64>, usize), Singular> {
     let mut stiff = vec![1.0; energy.stretches.len()];
     let mut trust = trust.to_vec();
-    let mut u = energy.solve(weights, &stiff, &trust, wraps)?;
+    let mut u = energy.solve(weights, &Factors { stiff: &stiff, trust: &trust, wraps })?;
     let mut folded = 0;
     for round in 0..ROUNDS {
         let slopes = energy.slopes(&u);
-        let bad: Vec<usize> = (0..slopes.len()).filter(|&i| slopes[i] < SUSPECT).collect();
         if round == 0 {
             folded = slopes.iter().filter(|s| **s <= 0.0).count();
         }
-        if bad.is_empty() {
+        let is_bad = |i: &usize| slopes[*i] < SUSPECT;
+        let which: Vec<bool> =
+            (0..energy.parts()).map(|p| energy.stretches_of(p).any(|i| is_bad(&i))).collect();
+        if !which.contains(&true) {
             break;
         }
         let mut weak = vec![false; net.unknowns];
-        for i in bad {
+        for i in (0..slopes.len()).filter(is_bad) {
             stiff[i] *= 8.0;
             energy.stretches[i].unknowns.iter().for_each(|k| weak[*k as usize] = true);
         }
@@ -45,7 +47,8 @@ pub(crate) fn solve(
                 *t *= 0.25;
             }
         }
-        u = energy.solve(weights, &stiff, &trust, wraps)?;
+        let by = Factors { stiff: &stiff, trust: &trust, wraps };
+        energy.solve_some(weights, &by, &which, &mut u)?;
     }
     Ok((u, folded))
 }

@@ -118,9 +118,13 @@ impl Net {
         }
         let pairs = 0..film.frames.len().saturating_sub(1);
         let same = found.same(&net, &ids);
-        let links = pairs
-            .into_par_iter()
-            .map(|f| net.between((film, f), swept, &found.again(&net, &same, f)));
+        let links = pairs.into_par_iter().map(|f| {
+            let again = found.again(&net, &same, f);
+            match found.holds(&net, &same, f) && found.holds(&net, &same, f + 1) {
+                true => again.into_values().collect(),
+                false => net.between((film, f), swept, &again),
+            }
+        });
         let links: Vec<Vec<Link>> = links.collect();
         net.links = links.concat();
         *found = Found { lines: net.lines.clone(), frames: net.frames.clone(), ids, links };
@@ -211,6 +215,14 @@ impl Found {
             *there.entry(was).or_insert(is) == is && *back.entry(is).or_insert(was) == was
         });
         if named { same } else { vec![None; self.lines.len()] }
+    }
+
+    /// Whether all lines of a frame are as they were.
+    fn holds(&self, net: &Net, same: &[Option<u32>], f: usize) -> bool {
+        self.frames.get(f + 1).is_some_and(|end| {
+            let old = self.frames[f] as usize..*end as usize;
+            old.len() == net.of_frame(f).len() && same[old].iter().all(Option::is_some)
+        })
     }
 
     /// Links of a frame with the next, between lines that are as they were, by the samples they are of.
