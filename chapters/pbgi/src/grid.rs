@@ -101,6 +101,37 @@ impl SurfelGrid {
     }
 }
 
+impl SurfelGrid {
+    /// Calls `take` with every surfel within a reach of one and a half spacings of a point, and its squared distance.
+    pub fn each_near(&self, point: Vec3, mut take: impl FnMut(usize, f32)) {
+        let reach2 = 0.25 * self.cell * self.cell;
+        let own = (point / self.cell).floor();
+        let beside = Vec3::select(
+            (point / self.cell - own).cmplt(Vec3::splat(0.5)),
+            Vec3::NEG_ONE,
+            Vec3::ONE,
+        );
+        let buckets = self.starts.len() - 1;
+        for i in 0..8 {
+            let step = vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+            let cell = own + step * beside;
+            let b = bucket(cell, buckets);
+            for s in &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize] {
+                let distance2 = (s.position - point).length_squared();
+                // Other cells may share the bucket.
+                if distance2 < reach2 && (s.position / self.cell).floor() == cell {
+                    take(s.index as usize, distance2);
+                }
+            }
+        }
+    }
+
+    /// How far `each_near` looks, scene units.
+    pub fn reach(&self) -> f32 {
+        0.5 * self.cell
+    }
+}
+
 fn bucket(cell: Vec3, buckets: usize) -> usize {
     let [x, y, z] = cell.to_array().map(|c| c as i64 as u64);
     let h = x.wrapping_mul(0x9E37_79B9_7F4A_7C15)
@@ -142,6 +173,25 @@ mod tests {
             let found = grid.nearest(&surfels, point, normal);
             let found = found.map_or(reach, |(k, _)| cost(&surfels.all[k as usize]));
             assert!((found - least).abs() <= 1e-6 * reach, "{i}: {found} {least}");
+        }
+    }
+
+    #[test]
+    fn every_surfel_near_a_point_is_found_once() {
+        let place = |i: u64| vec3(unit(1, i), 0.2 * unit(2, i), unit(3, i)) - 0.5;
+        let surfel = |i| Surfel { position: place(i), normal: Vec3::Y, ..Surfel::default() };
+        let surfels =
+            Surfels { all: (0..3000).map(surfel).collect(), spacing: 0.05, uneven: false };
+        let grid = SurfelGrid::new(&surfels);
+        for i in 5000..5200 {
+            let near = |k: &usize| {
+                (surfels.all[*k].position - place(i)).length_squared() < grid.reach().powi(2)
+            };
+            let all: Vec<usize> = (0..3000).filter(near).collect();
+            let mut found = Vec::new();
+            grid.each_near(place(i), |k, _| found.push(k));
+            found.sort_unstable();
+            assert_eq!(found, all);
         }
     }
 }
