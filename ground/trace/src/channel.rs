@@ -12,7 +12,7 @@
 
 use crate::gbuffer::GBuffer;
 use crate::light::{Arrival, Lamp};
-use crate::smooth::{Facet, lifted};
+use crate::shadow::Shadows;
 use crate::surface::Surfaces;
 use crate::tracer::{Ray, Sides, Tracer};
 use chiaro_basis::math::Vec3;
@@ -33,7 +33,8 @@ pub struct Diffuse {
 /// The diffuse channel. One parallel lamp gives the cosine itself; other lamps are summed by their
 /// illuminance and tone-mapped by E / (E + median E), so that any wattage ends in [0, 1].
 ///
-/// Without `shadows` no ray is cast, and both planes are the same.
+/// Without `shadows` no ray is cast, and both planes are the same. In large pictures rays are cast at
+/// some of the pixels and wherever those differ.
 pub fn diffuse(
     tracer: &Tracer,
     buffer: &GBuffer,
@@ -41,11 +42,15 @@ pub fn diffuse(
     shadows: bool,
     run: &Run,
 ) -> Result<Diffuse> {
+    let shaded = match shadows {
+        true => Some(Shadows::sample(tracer, buffer, lamps, run)?),
+        false => None,
+    };
     let sums = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return [0.0; 2];
         }
-        illuminance(tracer, buffer, lamps, shadows, (x, y))
+        illuminance(buffer, lamps, shaded.as_ref(), (x, y))
     });
     run.check()?;
     let middle = match lamps {
@@ -66,10 +71,9 @@ pub fn diffuse(
 
 /// Illuminance without and with shadow, lux.
 fn illuminance(
-    tracer: &Tracer,
     buffer: &GBuffer,
     lamps: &[Lamp],
-    shadows: bool,
+    shadows: Option<&Shadows<'_>>,
     pixel: (usize, usize),
 ) -> [f32; 2] {
     let position = Vec3::from(buffer.position[pixel]);
@@ -79,36 +83,18 @@ fn illuminance(
         true => std::f32::consts::PI * colour::luminance(buffer.emissive[pixel]),
         false => 0.0,
     };
+    let around = shadows.map(|s| s.around(pixel));
     let mut sum = [own; 2];
-    for arrival in lamps.iter().filter_map(|l| l.arrival(position)) {
+    for (k, lamp) in lamps.iter().enumerate().filter(|(_, l)| l.is_before(position, normal)) {
+        let Some(arrival) = lamp.arrival(position) else { continue };
         let e = arrival.strength * normal.dot(arrival.towards).max(0.0);
         if e > 0.0 {
             sum[0] += e;
-            let dark = shadows && in_shadow(tracer, buffer, pixel, &arrival);
+            let dark = around.as_ref().is_some_and(|a| a.is_dark(k, &arrival));
             sum[1] += if dark { 0.0 } else { e };
         }
     }
     sum
-}
-
-/// Whether something stands between a pixel's surface and the light. The ray starts on the smooth
-/// surface that the vertex normals span (Hanika 2021), or coarse meshes show saw-tooth
-/// terminators.
-fn in_shadow(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize), arrival: &Arrival) -> bool {
-    let smooth = Vec3::from(buffer.smooth_normal[pixel]);
-    if smooth.dot(arrival.towards) <= 0.0 {
-        return true;
-    }
-    let lift = lifted(&Facet::of(tracer, buffer, pixel), buffer, pixel);
-    let start = lift + smooth * (1e-4 * buffer.radius);
-    if !arrival.from_surface {
-        let reach = arrival.distance * (1.0 - 1e-4);
-        return tracer.occluded(&Ray { origin: start, direction: arrival.towards, t_max: reach });
-    }
-    // To the very point, or the surface that shines would stand in its own way.
-    let end = Vec3::from(buffer.position[pixel]) + arrival.towards * arrival.distance;
-    let (direction, length) = (end - start).normalize_and_length();
-    tracer.occluded(&Ray { origin: start, direction, t_max: length * (1.0 - 1e-3) })
 }
 
 /// The median over pixels that any lamp lights; 1 when there is none.

@@ -112,6 +112,16 @@ impl Lamp {
         (strength > 0.0).then_some(Arrival { towards, distance, strength, from_surface })
     }
 
+    /// Whether it stands before a surface and shines to its side: elsewhere no light arrives.
+    pub(crate) fn is_before(&self, point: Vec3, normal: Vec3) -> bool {
+        if self.kind == LightKind::Directional {
+            return normal.dot(self.direction) < 0.0;
+        }
+        let offset = self.position - point;
+        let shines = |p: Patch| p.two_sided || self.direction.dot(offset) < 0.0;
+        normal.dot(offset) > 0.0 && self.patch.is_none_or(shines)
+    }
+
     /// What strength is divided by: the square of the distance, and a little more near a patch (half
     /// of what a disc on its axis asks for), so that what touches it is not burnt.
     fn square(&self, distance: f32) -> f32 {
@@ -142,6 +152,28 @@ mod tests {
         let lamp = Lamp { kind: LightKind::Point, strength: 8.0, range: 3.0, ..Lamp::sun(Vec3::X) };
         assert_eq!(lamp.arrival(vec3(0.0, 2.0, 0.0)).unwrap().strength, 2.0);
         assert!(lamp.arrival(vec3(0.0, 3.5, 0.0)).is_none());
+    }
+
+    #[test]
+    fn light_arrives_from_lamps_before_the_surface_alone() {
+        let patch = |two_sided| Some(Patch { area: 1.0, two_sided });
+        let sun = Lamp::sun(-Vec3::Y);
+        let point = Lamp { kind: LightKind::Point, position: vec3(0.3, 2.0, 0.1), ..sun };
+        let lamps = [
+            sun,
+            point,
+            Lamp { patch: patch(false), ..point },
+            Lamp { patch: patch(true), ..point },
+        ];
+        for lamp in lamps {
+            for (place, normal) in
+                [(0.0, Vec3::Y), (3.0, Vec3::Y), (0.0, -Vec3::Y), (3.0, -Vec3::Y)]
+            {
+                let at = vec3(0.0, place, 0.0);
+                let arrives = lamp.arrival(at).is_some_and(|a| normal.dot(a.towards) > 0.0);
+                assert_eq!(lamp.is_before(at, normal), arrives, "{lamp:?} {place} {normal}");
+            }
+        }
     }
 
     #[test]

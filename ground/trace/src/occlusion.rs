@@ -16,6 +16,7 @@
 
 use crate::gbuffer::GBuffer;
 use crate::smooth::{Facet, lifted};
+use crate::surroundings::Surroundings;
 use crate::tracer::{Ray, Tracer};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run, random};
@@ -24,7 +25,7 @@ use chiaro_image::Plane;
 /// Samples along a tile's side.
 const TILE: usize = 8;
 /// Pictures with more rows than this take one sample for 2 x 2 pixels.
-const FINE_ROWS: usize = 640;
+pub(crate) const FINE_ROWS: usize = 640;
 
 /// Openness in [0, 1] within `radius` scene units; `rays` are cast a sample, 64 times as many count.
 pub fn ambient_occlusion(
@@ -144,7 +145,7 @@ impl Samples {
         Plane::from_fn(w, h, |i, j| {
             let (i, j) = (i as isize, j as isize);
             let Some(at) = self.pixel(buffer, i, j) else { return 0.0 };
-            let patch = Patch::at(buffer, at, 2.0 * self.step as f32);
+            let patch = Surroundings::at(buffer, at, 2.0 * self.step as f32);
             let (mut sum, mut count) = (0.0, 0.0);
             for v in j - 2..j + 2 {
                 for u in i - 2..i + 2 {
@@ -161,7 +162,7 @@ impl Samples {
 
     /// The mean of means around a pixel, `None` where none is on its surface.
     fn spread(&self, near: &Plane<f32>, buffer: &GBuffer, (x, y): (usize, usize)) -> Option<f32> {
-        let patch = Patch::at(buffer, (x, y), 3.0 * self.step as f32);
+        let patch = Surroundings::at(buffer, (x, y), 3.0 * self.step as f32);
         let along = |p: usize| {
             let (cell, part) = ((p / self.step) as isize, (p % self.step) as f32);
             let t = part / self.step as f32;
@@ -187,7 +188,7 @@ impl Samples {
         &self,
         near: &Plane<f32>,
         buffer: &GBuffer,
-        patch: &Patch,
+        patch: &Surroundings,
         (x, y): (usize, usize),
     ) -> Option<f32> {
         let (i, j) = ((x / self.step) as isize, (y / self.step) as isize);
@@ -196,31 +197,6 @@ impl Samples {
             let p = self.pixel(buffer, u, v)?;
             patch.holds(buffer, p).then(|| near[(u as usize, v as usize)])
         })
-    }
-}
-
-/// The plane of a pixel's surface.
-struct Patch {
-    position: Vec3,
-    normal: Vec3,
-    tolerance: f32,
-}
-
-impl Patch {
-    /// That of a pixel; the surface may leave it by `reach` pixels.
-    fn at(buffer: &GBuffer, pixel: (usize, usize), reach: f32) -> Self {
-        let height = buffer.size().1 as f32;
-        Self {
-            position: Vec3::from(buffer.position[pixel]),
-            normal: Vec3::from(buffer.smooth_normal[pixel]),
-            tolerance: reach * buffer.pose.pixel_size(buffer.depth[pixel], height),
-        }
-    }
-
-    /// Whether a pixel lies on the same smooth surface.
-    fn holds(&self, buffer: &GBuffer, pixel: (usize, usize)) -> bool {
-        let off = (Vec3::from(buffer.position[pixel]) - self.position).dot(self.normal).abs();
-        off <= self.tolerance && Vec3::from(buffer.smooth_normal[pixel]).dot(self.normal) > 0.8
     }
 }
 
