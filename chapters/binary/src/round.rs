@@ -14,8 +14,8 @@
 //! Guaranteed: no label farther than the reach from a border changes, and none for two labels if the
 //! labels given are the best by sixteen neighbours already. Not guaranteed: the least energy by
 //! sixteen neighbours over the whole picture, nor that by eight, which rises a little. Pictures of
-//! more than `PART` pixels are cut in parts, twice, the second ones lying across the first's seams,
-//! so that memory stays under some 130 bytes for each pixel of a part.
+//! more than `PART` pixels are cut in parts, side by side, and then again along the seams, so that
+//! memory stays under some 130 bytes for each pixel of a part and thread.
 
 use crate::knob::{BinaryKnobs, scaled};
 use crate::mend::Costs;
@@ -23,12 +23,16 @@ use crate::window::widen_line;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
 use chiaro_mincut::{LINK_STEPS, Lattice, Links, Neighbours, Solver};
+use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::f32::consts::SQRT_2;
 use std::ops::Range;
 
 /// Pixels that are cut together at most.
-const PART: usize = 4 << 20;
+const PART: usize = 1 << 19;
+/// How far from a seam of parts labels are found again, in reaches.
+const SEAM: usize = 3;
 /// The farthest reach, in pixels: facets of large prints are rounded as far as that goes.
 const FARTHEST: f32 = 24.0;
 
@@ -64,18 +68,40 @@ impl Costs<'_> {
             return Ok(labels);
         }
         let near = self.near_borders(&labels, reach);
-        for rows in parts(labels.size(), most) {
-            for pair in self.pairs(&labels, &rows) {
-                let free = |p: Pixel| rows.contains(&p.1) && near[p] && pair.contains(&labels[p]);
-                if let Some(swap) = Swap::new(*self, &labels, pair, &free) {
-                    let found = swap.solve()?;
-                    swap.each().filter(|(_, i)| swap.free[*i]).for_each(|(p, i)| {
-                        labels[p] = pair[usize::from(found[i])];
-                    });
-                }
+        for pass in parts(labels.size(), most, SEAM * reach) {
+            let found: Vec<Result<Vec<(Pixel, u8)>>> =
+                pass.into_par_iter().map(|rows| self.part(&labels, &near, &rows)).collect();
+            for changes in found {
+                changes?.into_iter().for_each(|(p, label)| labels[p] = label);
             }
         }
         Ok(labels)
+    }
+
+    /// The labels of the free pixels of some rows, all others as given.
+    fn part(
+        &self,
+        labels: &Plane<u8>,
+        near: &Plane<bool>,
+        rows: &Range<usize>,
+    ) -> Result<Vec<(Pixel, u8)>> {
+        let mut labels = Cow::Borrowed(labels);
+        let pairs = self.pairs(&labels, rows);
+        let mut changes = Vec::new();
+        for pair in &pairs {
+            let free = |p: Pixel| rows.contains(&p.1) && near[p] && pair.contains(&labels[p]);
+            let Some(swap) = Swap::new(*self, &labels, *pair, rows, &free) else { continue };
+            let found = swap.solve()?;
+            let label = |i: usize| pair[usize::from(found[i])];
+            let first = changes.len();
+            changes.extend(swap.each().filter(|(_, i)| swap.free[*i]).map(|(p, i)| (p, label(i))));
+            // The next pair begins with these.
+            if pairs.len() > 1 {
+                let labels = labels.to_mut();
+                changes[first..].iter().for_each(|(p, label)| labels[*p] = *label);
+            }
+        }
+        Ok(changes)
     }
 
     /// The nodes within some pixels of a border, in a square.
@@ -149,14 +175,18 @@ impl Costs<'_> {
     }
 }
 
-/// Rows that are cut together: all, or parts of a large picture and then those across their seams.
-fn parts((w, h): (usize, usize), most: usize) -> Vec<Range<usize>> {
+/// Rows that are cut together, pass by pass: all, or parts of a large picture and then what is
+/// within some pixels of their seams.
+fn parts((w, h): (usize, usize), most: usize, seam: usize) -> Vec<Vec<Range<usize>>> {
     if w * h <= most {
-        return std::iter::once(0..h).collect();
+        return vec![std::iter::once(0..h).collect()];
     }
     let rows = (most / w).max(2);
-    let from = |first: usize| (first..h).step_by(rows).map(move |y| y..(y + rows).min(h));
-    from(0).chain(from(rows / 2)).collect()
+    let seam = seam.min(rows / 2);
+    let starts = || (0..h).step_by(rows);
+    let pieces = starts().map(|y| y..(y + rows).min(h)).collect();
+    let seams = starts().skip(1).map(|y| y - seam..(y + seam).min(h)).collect();
+    vec![pieces, seams]
 }
 
 /// Two labels to be exchanged among the free pixels of a box.
@@ -173,15 +203,16 @@ struct Swap<'a> {
 }
 
 impl<'a> Swap<'a> {
-    /// The box of what is free; `None` if nothing is.
+    /// The box of what is free in some rows; `None` if nothing is.
     fn new(
         costs: Costs<'a>,
         labels: &Plane<u8>,
         pair: [u8; 2],
+        rows: &Range<usize>,
         free: &dyn Fn(Pixel) -> bool,
     ) -> Option<Self> {
-        let (w, h) = labels.size();
-        let all = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
+        let w = labels.width();
+        let all = rows.clone().flat_map(|y| (0..w).map(move |x| (x, y)));
         let mut corners: Option<(Pixel, Pixel)> = None;
         for p in all.filter(|p| free(*p)) {
             let (low, high) = corners.get_or_insert((p, p));
