@@ -26,6 +26,9 @@ pub struct Glow {
     /// Power in lumens per pi: radiance's luminance times area, both sides counted.
     power: f64,
     scattered: bool,
+    /// The middle of all that shines, and how far from it a point is near.
+    middle: Vec3,
+    near: f32,
 }
 
 /// A shining triangle in world space.
@@ -65,6 +68,8 @@ pub struct GlowPoint {
 /// Shining area, over the square of its extent, below which it is scattered: a panel has a half, a tube
 /// thirty times as long as thick a tenth.
 const SPARSE: f32 = 0.05;
+/// Radii of what shines within which a point is near.
+const NEAR: f32 = 2.0;
 /// Pieces of a cluster.
 const PIECES: usize = 32;
 
@@ -139,13 +144,19 @@ impl Glow {
         let bounds = Bounds::of(triangles.iter().flat_map(|t| t.corners));
         let area: f32 = triangles.iter().map(|t| t.area).sum();
         let scattered = area < SPARSE * (2.0 * bounds.radius()).powi(2);
-        Self { triangles, cumulative, power, scattered }
+        let (middle, near) = (bounds.centre(), NEAR * bounds.radius());
+        Self { triangles, cumulative, power, scattered, middle, near }
     }
 
     /// Whether what shines stands apart, as the lamps of several rooms do, and is no single panel or bulb:
     /// its area is small for its extent.
     pub fn is_scattered(&self) -> bool {
         self.scattered
+    }
+
+    /// Whether its points differ much in what they give to a point: they are scattered, or near.
+    pub fn is_uneven_from(&self, point: Vec3) -> bool {
+        self.scattered || point.distance_squared(self.middle) < self.near * self.near
     }
 
     /// The triangles.

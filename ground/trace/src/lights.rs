@@ -17,7 +17,7 @@ use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// Everything that lights a frame.
@@ -45,7 +45,7 @@ pub struct LightNumbers {
 /// Lamps up to this number are all visited; of more, one is chosen.
 const ALL_LAMPS: usize = 4;
 
-/// Points of which one is chosen where what shines is scattered.
+/// Points of which one is chosen where what shines is scattered or near.
 const OFFERS: usize = 8;
 
 /// Unshadowed irradiance and the ray that must be free for it.
@@ -135,9 +135,10 @@ impl Lights {
         }
     }
 
-    /// A point of what shines, and the weight of its light. Where that is scattered, the point is one of
+    /// A point of what shines, and the weight of its light. Where that is scattered or near, the point is one of
     /// several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
-    /// without, the lamps of a room are rarely found among those of others.
+    /// without, the lamps of a room are rarely found among those of others, and the few points beside a
+    /// surface under a lamp would give it nearly all of its light.
     fn glow_choice(
         &self,
         tracer: &Tracer,
@@ -146,7 +147,7 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> (Option<Candidate>, f32) {
-        if !self.glow.is_scattered() {
+        if !self.glow.is_uneven_from(at.position) {
             return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
         }
         let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
@@ -182,8 +183,7 @@ impl Lights {
         }
         let ray = at.ray_to(point.position)?;
         let density = point.density * distance * distance / outward;
-        // No light source gives more than pi times its radiance.
-        let mut factor = (cosine / density).min(PI);
+        let mut factor = cosine / density;
         if shared {
             factor = cosine / (density + cosine * FRAC_1_PI);
         }
