@@ -19,13 +19,14 @@
 use crate::bitrows::BitRows;
 use crate::bits::{float16_above, from_float16};
 use crate::code::{Book, Decoded, Lobes, Pen};
-use crate::cut::{Chooser, Splat, Verdict};
+use crate::cut::{Chooser, Faces, Splat, Verdict};
 use crate::harmonic::Sh;
 use crate::hierarchy::Hierarchy;
 pub use crate::leaf::Leaf;
 use crate::leaf::Scale;
 use crate::packed::{Record, leaf_radius};
 use crate::payload::Exact;
+use crate::sight::Sight;
 use crate::tree::Node;
 use chiaro_basis::math::Vec3;
 
@@ -422,7 +423,10 @@ impl Hierarchy for Classic {
                 Verdict::Leave => {}
                 Verdict::Splat => {
                     let (node, lobes) = self.node(node);
-                    splats.extend(chooser.node(&node, |d| lobes.sent(d), |d| lobes.both(d)));
+                    // Nothing is known of its normals: it does not count as flat.
+                    let splat =
+                        |s: Sight| s.of_faces(node.area, |d| lobes.sent(d), &Faces::default());
+                    splats.extend(chooser.sight(&node).and_then(splat));
                 }
                 Verdict::Open => {
                     let left = first_half(count);

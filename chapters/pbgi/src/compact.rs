@@ -13,17 +13,18 @@
 //! Numbers that bytes name are clamped to what is there: any bytes give some picture.
 
 mod builder;
+mod siblings;
 
 pub use builder::{Builder, Sink};
+pub use siblings::Siblings;
 
 use crate::bits::{axis_of, encode_axis, float16, float16_above, from_float16};
 use crate::block::{self, BLOCK_BYTES, Block, SECOND};
-use crate::code::{self, Book, Decoded, Lobes, Pen};
+use crate::code::{self, Book, Lobes, Pen};
 use crate::curve::Cube;
-use crate::packed::{BLOCK, FAN, PART, PART_LEVELS, Places, Record, Spheres, Stored, Sums, counts};
-use crate::payload::Sent;
-use crate::tree::Node;
-use chiaro_basis::math::{Vec3, vec3};
+use crate::packed::{BLOCK, FAN, PART, PART_LEVELS, Places, Record, Stored, Sums, counts};
+use chiaro_basis::math::Vec3;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -67,6 +68,8 @@ pub struct Compact {
     /// How many second sides each part has.
     pub(crate) seconds: Vec<u16>,
     counts: Vec<usize>,
+    /// Bytes of a node.
+    stride: usize,
     /// Where the levels of a whole part begin, its blocks, and its second sides.
     whole: [usize; PART_LEVELS + 2],
 }
@@ -132,13 +135,6 @@ impl Format {
         (centre, from_float16(u16_at(bytes, 6), self.cube.side))
     }
 
-    fn node(&self, bytes: &[u8]) -> Node {
-        let (centre, radius, area) = self.ball(bytes);
-        let mean = vec3(signed(bytes[10]), signed(bytes[11]), signed(bytes[12])) * (radius / 127.0);
-        let axis = axis_of(u32_at(bytes, 13));
-        Node { centre, radius, mean: centre + mean, area, axis, ..Node::default() }
-    }
-
     /// A block's bytes, and its second sides'. Its records lie in its node's sphere, as it is decoded.
     fn encode_block(
         &self,
@@ -197,13 +193,14 @@ impl Compact {
         }
         let part = |&(start, _): &(usize, usize)| Part { bytes: Arc::clone(&bytes), start };
         let parts = parts.iter().map(part).collect();
-        let whole = format.starts(PART_BLOCKS);
-        Some(Self { format: Arc::new(format), parts, crown, records, seconds, counts, whole })
+        let (whole, stride) = (format.starts(PART_BLOCKS), format.node_bytes());
+        let format = Arc::new(format);
+        Some(Self { format, parts, crown, records, seconds, counts, stride, whole })
     }
 
-    /// The bytes of nodes that share a parent.
+    /// The bytes of nodes that share a parent and a part.
     fn nodes_at(&self, level: usize, nodes: Range<usize>) -> &[u8] {
-        let stride = self.format.node_bytes();
+        let stride = self.stride;
         if level >= PART_LEVELS {
             return &self.crown[level - PART_LEVELS][nodes.start * stride..nodes.end * stride];
         }
@@ -212,10 +209,6 @@ impl Compact {
         let part = nodes.start >> shift;
         let at = self.starts(part)[level] + (nodes.start - (part << shift)) * stride;
         &self.part(part)[at..at + nodes.len() * stride]
-    }
-
-    fn node_at(&self, level: usize, index: usize) -> &[u8] {
-        self.nodes_at(level, index..index + 1)
     }
 
     fn starts(&self, part: usize) -> [usize; PART_LEVELS + 2] {
@@ -257,42 +250,19 @@ impl Stored for Compact {
         &self.counts
     }
 
-    fn spheres(&self, level: usize, nodes: Range<usize>) -> Spheres {
-        let mut spheres = Spheres::default();
+    type Siblings<'a> = Siblings<'a>;
+
+    fn siblings(&self, level: usize, nodes: Range<usize>) -> Siblings<'_> {
         // Nodes of the level of parts share a parent in the crown, and lie in several parts.
-        let parts = if level == PART_LEVELS - 1 { nodes.len() } else { 1 };
-        let of_each = nodes.len() / parts.max(1);
-        for i in 0..parts {
-            let first = nodes.start + i * of_each;
-            let bytes = self.nodes_at(level, first..first + of_each);
-            for (k, node) in bytes.chunks_exact(self.format.node_bytes()).enumerate() {
-                let (centre, radius) = self.format.sphere(node);
-                spheres.set(i + k, centre, radius);
-            }
-        }
-        spheres
-    }
-
-    fn node(&self, level: usize, index: usize) -> Node {
-        self.format.node(self.node_at(level, index))
-    }
-
-    fn lobes(&self, level: usize, index: usize, node: &Node) -> Decoded {
-        let bytes = self.node_at(level, index);
-        self.format.book.decode(&bytes[HEAD..], (node.area, node.axis, share(bytes[BOTH])))
-    }
-
-    fn along_axis(&self, level: usize, index: usize, node: &Node) -> [Sent; 2] {
-        let bytes = self.node_at(level, index);
-        self.format.book.along_axis(&bytes[HEAD..], (node.area, node.axis, share(bytes[BOTH])))
-    }
-
-    fn is_one_sided(&self, level: usize, index: usize) -> bool {
-        self.node_at(level, index)[BOTH] == 0
+        let bytes = match level == PART_LEVELS - 1 && nodes.len() > 1 {
+            true => nodes.flat_map(|i| self.nodes_at(level, i..i + 1)).copied().collect(),
+            false => Cow::Borrowed(self.nodes_at(level, nodes)),
+        };
+        Siblings { format: &self.format, bytes, stride: self.stride }
     }
 
     fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record)) {
-        let ball = self.format.ball(self.node_at(0, block));
+        let ball = self.format.ball(self.nodes_at(0, block..block + 1));
         let (part, within) = (block / PART_BLOCKS, block % PART_BLOCKS);
         let [.., blocks, seconds] = self.starts(part);
         let bytes = self.part(part);
@@ -309,7 +279,7 @@ mod tests {
     use super::*;
     use crate::code::{Gains, Recipe};
     use crate::file;
-    use crate::packed::tests::sheet;
+    use crate::packed::tests::{node, sheet};
     use crate::packed::{Floats, Packed, records};
     use chiaro_basis::Run;
 
@@ -322,7 +292,7 @@ mod tests {
         let recipe = Recipe::residual(Gains::Colours, true, 3, 2);
         let format = Format {
             book: Book::train(&lobes, &recipe, 1, &Run::default()).unwrap(),
-            cube: Cube::around(vec3(0.0, -0.2, 0.0), Vec3::ONE),
+            cube: Cube::around(Vec3::new(0.0, -0.2, 0.0), Vec3::ONE),
             top_area: 2.0,
             top_light: 4.0,
         };
@@ -338,8 +308,8 @@ mod tests {
         assert!((exact.leaf_radius / coded.leaf_radius - 1.0).abs() < 1e-6);
         for level in 0..exact.store.counts().len() {
             for index in 0..exact.store.counts()[level] {
-                let a = exact.store.node(level, index);
-                let b = coded.store.node(level, index);
+                let a = node(&exact.store, level, index);
+                let b = node(&coded.store, level, index);
                 assert!(a.centre.distance(b.centre) + a.radius <= b.radius * 1.0001);
                 assert!(b.radius < 1.01 * a.radius + 1e-5);
                 assert!(a.mean.distance(b.mean) < 0.02 * a.radius + 1e-5);
@@ -352,7 +322,7 @@ mod tests {
             exact.store.records(block, |_| u32::MAX, |r| a.push(*r));
             coded.store.records(block, |_| u32::MAX, |r| b.push(*r));
             assert_eq!(a.len(), b.len());
-            let radius = exact.store.node(0, block).radius;
+            let radius = node(&exact.store, 0, block).radius;
             for (a, b) in a.iter().zip(&b) {
                 assert!(a.position.distance(b.position) < 0.06 * radius);
                 assert!(a.normal.dot(b.normal) > 0.99 && a.alive == b.alive);
@@ -404,7 +374,10 @@ mod tests {
         assert_eq!(read.store.counts(), coded.store.counts());
         for level in 0..read.store.counts().len() {
             for index in 0..read.store.counts()[level] {
-                assert_eq!(read.store.node_at(level, index), coded.store.node_at(level, index));
+                assert_eq!(
+                    read.store.nodes_at(level, index..index + 1),
+                    coded.store.nodes_at(level, index..index + 1)
+                );
             }
         }
         for block in 0..read.store.counts()[0] {

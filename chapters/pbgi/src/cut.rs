@@ -64,40 +64,36 @@ pub(crate) enum Verdict {
 /// What a flat node sends to the side of its axis and to the other.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Faces {
-    area: [f32; 2],
-    radiance: [[f32; 3]; 2],
+    pub area: [f32; 2],
+    pub radiance: [[f32; 3]; 2],
 }
 
 impl Faces {
-    /// Solved from what a node of this area sends along its axis and against it.
-    fn solved(node_area: f32, [ahead, behind]: &[Sent; 2]) -> Self {
-        let one = |ahead: &Sent, behind: &Sent| {
-            let area = front_of_flat(ahead.area, behind.area);
-            let radiance = [0, 1, 2].map(|c| match area > 1e-6 * node_area {
-                true => front_of_flat(ahead.light[c], behind.light[c]) / area,
-                false => 0.0,
-            });
-            (area, radiance)
-        };
-        let (front, back) = (one(ahead, behind), one(behind, ahead));
-        Self { area: [front.0, back.0], radiance: [front.1, back.1] }
-    }
-
     /// Those of a node, where it is at all flat.
     pub(crate) fn of_flat(node: &Node, payload: &Exact) -> Self {
         let length = node.axis.length();
         if length <= FLAT[0] {
             return Self::default();
         }
-        let axis = node.axis / length;
-        Self::solved(node.area, &payload.both(&(), &basis(axis)))
+        let both = payload.both(&(), &basis(node.axis / length));
+        let [front, back] = [0, 1].map(|side| face(node.area, &both, side));
+        Self { area: [front.0, back.0], radiance: [front.1, back.1] }
     }
 }
 
+/// Area and radiance of a flat node's side, solved from what it sends along its axis and against it.
+#[inline]
+pub(crate) fn face(node_area: f32, both: &[Sent; 2], side: usize) -> (f32, [f32; 3]) {
+    let (ahead, behind) = (&both[side], &both[1 - side]);
+    let area = front_of_flat(ahead.area, behind.area);
+    let light: [f32; 3] = std::array::from_fn(|c| front_of_flat(ahead.light[c], behind.light[c]));
+    (area, if area > 1e-6 * node_area { light.map(|l| l / area) } else { [0.0; 3] })
+}
+
 /// The least share of a node's area that its light is divided by.
-const LEAST_AREA: f32 = 1e-3;
+pub(crate) const LEAST_AREA: f32 = 1e-3;
 /// Lengths of a node's mean normal between which it turns from not flat to flat.
-const FLAT: [f32; 2] = [0.985, 0.995];
+pub(crate) const FLAT: [f32; 2] = [0.985, 0.995];
 
 impl Chooser {
     /// The splats of the cut; the number of nodes visited.
@@ -114,8 +110,9 @@ impl Chooser {
                 let (index, verdict) = (wide.node[lane] as usize, verdicts[lane]);
                 if verdict == Verdict::Splat {
                     let sent = |d: Vec3| tree.payload[index].sent(&tree.book, &basis(d));
-                    let faces = |_: Vec3| tree.faces[index];
-                    splats.extend(self.seen(&tree.nodes[index], sent, faces));
+                    let (node, faces) = (&tree.nodes[index], &tree.faces[index]);
+                    let sight = self.sight(node);
+                    splats.extend(sight.and_then(|s| s.of_faces(node.area, sent, faces)));
                 }
                 if verdict != Verdict::Open {
                     lane += usize::from(wide.within[lane]) + 1;
@@ -173,57 +170,6 @@ impl Chooser {
         if small && clear { Verdict::Splat } else { Verdict::Open }
     }
 
-    /// Whether a flat node shows its back.
-    pub(crate) fn behind(&self, node: &Node) -> bool {
-        let away = node.axis.dot(node.mean - self.from) >= 0.0;
-        away && self.flat && node.axis.length_squared() >= FLAT[1] * FLAT[1]
-    }
-
-    /// What is seen of a node that sends this in a direction, and along its axis and against it.
-    pub(crate) fn node(
-        &self,
-        node: &Node,
-        sent: impl Fn(Vec3) -> Sent,
-        both: impl Fn(Vec3) -> [Sent; 2],
-    ) -> Option<Splat> {
-        self.seen(node, sent, |axis| Faces::solved(node.area, &both(axis)))
-    }
-
-    /// The same, where what it sends as a flat node comes from `faces`, given its axis.
-    fn seen(
-        &self,
-        node: &Node,
-        sent: impl Fn(Vec3) -> Sent,
-        faces: impl FnOnce(Vec3) -> Faces,
-    ) -> Option<Splat> {
-        let (direction, distance) = (node.mean - self.from).normalize_and_length();
-        if self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
-            return None;
-        }
-        let length = node.axis.length();
-        let flatness = if self.flat { smooth(FLAT, length) } else { 0.0 };
-        let (mut area, mut radiance) = (0.0, [0.0; 3]);
-        if flatness < 1.0 {
-            let towards = sent(-direction);
-            let least = LEAST_AREA * node.area;
-            area = towards.area.max(0.0);
-            radiance = towards.light.map(|l| l.max(0.0) / towards.area.max(least));
-        }
-        if flatness > 0.0 {
-            let axis = node.axis / length;
-            let cosine = -axis.dot(direction);
-            let side = usize::from(cosine <= 0.0);
-            let faces = faces(axis);
-            let mix = |a: f32, b: f32| a + (b - a) * flatness;
-            area = mix(area, faces.area[side] * cosine.abs());
-            radiance = std::array::from_fn(|c| mix(radiance[c], faces.radiance[side][c]));
-        }
-        let solid_angle = area / (distance * distance);
-        let axis = if node.axis.dot(direction) > 0.0 { -node.axis } else { node.axis };
-        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks: false };
-        (solid_angle > 0.0).then_some(splat)
-    }
-
     /// The records of which anything is seen, in a mask of bits.
     #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
     pub(crate) fn seen_of(&self, places: &Places) -> u32 {
@@ -262,11 +208,6 @@ impl Chooser {
         let splat = Splat { direction, distance, solid_angle, radiance, axis, marks };
         (solid_angle > 0.0).then_some(splat)
     }
-}
-
-fn smooth([low, high]: [f32; 2], x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]
@@ -338,8 +279,9 @@ mod tests {
                 Verdict::Splat => {
                     let payload = &tree.payload[index - node.size as usize];
                     let sent = |d: Vec3| payload.sent(&(), &basis(d));
-                    let both = |d: Vec3| payload.both(&(), &basis(d));
-                    slow.extend(chooser.node(node, sent, both));
+                    let faces = Faces::of_flat(node, payload);
+                    let sight = chooser.sight(node);
+                    slow.extend(sight.and_then(|s| s.of_faces(node.area, sent, &faces)));
                 }
                 Verdict::Open => {
                     let range = node.first as usize..(node.first + node.count) as usize;

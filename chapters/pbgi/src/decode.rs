@@ -43,10 +43,20 @@ impl Decoded {
 struct Numbers<'a>(&'a [u8]);
 
 impl Numbers<'_> {
+    /// The next number, of one byte or of two.
+    #[inline]
     fn next(&mut self, bytes: usize) -> usize {
-        let (number, rest) = self.0.split_at(bytes);
-        self.0 = rest;
-        number.iter().rev().fold(0, |n, b| n << 8 | usize::from(*b))
+        match (bytes, self.0) {
+            (1, [a, rest @ ..]) => {
+                self.0 = rest;
+                usize::from(*a)
+            }
+            (2, [a, b, rest @ ..]) => {
+                self.0 = rest;
+                usize::from(u16::from_le_bytes([*a, *b]))
+            }
+            _ => 0,
+        }
     }
 }
 

@@ -71,6 +71,7 @@ mod records;
 pub mod resolve;
 mod rival;
 pub mod side;
+mod sight;
 pub mod site;
 pub mod spread;
 pub mod stream;

@@ -14,7 +14,7 @@
 
 use crate::bunch::Bunch;
 use crate::code::{self, Decoded};
-use crate::cut::{Chooser, Splat, Verdict};
+use crate::cut::{Chooser, Splat, Verdict, face};
 use crate::harmonic::basis;
 use crate::hierarchy::Hierarchy;
 use crate::payload::{Exact, Sent};
@@ -87,18 +87,29 @@ pub trait Store: Sync + Send {
 pub trait Stored: Sync + Send {
     /// The number of nodes of each level; the last has one.
     fn counts(&self) -> &[usize];
-    /// The bounding spheres of nodes that share a parent.
-    fn spheres(&self, level: usize, nodes: Range<usize>) -> Spheres;
-    /// A node.
-    fn node(&self, level: usize, index: usize) -> Node;
-    /// Its lobes.
-    fn lobes(&self, level: usize, index: usize, node: &Node) -> Decoded;
-    /// What a flat node sends along its mean normal and against it.
-    fn along_axis(&self, level: usize, index: usize, node: &Node) -> [Sent; 2];
-    /// Whether nothing of a node's area lives on its back.
-    fn is_one_sided(&self, level: usize, index: usize) -> bool;
+    /// Nodes that share a parent.
+    type Siblings<'a>: Siblings
+    where
+        Self: 'a;
+
+    /// The nodes of a level that share a parent.
+    fn siblings(&self, level: usize, nodes: Range<usize>) -> Self::Siblings<'_>;
     /// Calls `each` with the records of a block that `wanted` names in a mask of bits.
     fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record));
+}
+
+/// Nodes that share a parent, by their places among them.
+pub trait Siblings {
+    /// Their bounding spheres.
+    fn spheres(&self) -> Spheres;
+    /// Their means and what goes with these.
+    fn means(&self, spheres: &Spheres) -> Means;
+    /// The lobes of one.
+    fn lobes(&self, k: usize, means: &Means) -> Decoded;
+    /// What a flat one sends along its mean normal and against it.
+    fn along_axis(&self, k: usize, means: &Means) -> [Sent; 2];
+    /// Whether nothing of one's area lives on its back.
+    fn is_one_sided(&self, k: usize) -> bool;
 }
 
 /// Where the records of a block lie and face, side by side.
@@ -121,7 +132,38 @@ pub struct Spheres {
     pub radius: [f32; FAN],
 }
 
+/// Means of siblings, side by side.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Means {
+    /// Coordinates of the means of their surfels.
+    pub mean: [[f32; FAN]; 3],
+    /// Those of their mean normals.
+    pub axis: [[f32; FAN]; 3],
+    /// Their areas.
+    pub area: [f32; FAN],
+}
+
+impl Means {
+    /// The mean normal of one.
+    pub(crate) fn axis(&self, k: usize) -> Vec3 {
+        Vec3::new(self.axis[0][k], self.axis[1][k], self.axis[2][k])
+    }
+
+    /// Sets one.
+    fn set(&mut self, k: usize, node: &Node) {
+        (0..3).for_each(|i| self.mean[i][k] = node.mean[i]);
+        (0..3).for_each(|i| self.axis[i][k] = node.axis[i]);
+        self.area[k] = node.area;
+    }
+}
+
 impl Spheres {
+    /// One's centre and radius.
+    fn one(&self, k: usize) -> (Vec3, f32) {
+        let [x, y, z] = &self.centre;
+        (Vec3::new(x[k], y[k], z[k]), self.radius[k])
+    }
+
     /// Sets one.
     pub(crate) fn set(&mut self, k: usize, centre: Vec3, radius: f32) {
         (0..3).for_each(|i| self.centre[i][k] = centre[i]);
@@ -152,20 +194,28 @@ impl<S: Stored> Hierarchy for Packed<S> {
         open.push((top, 0..1));
         while let Some((level, nodes)) = open.pop() {
             visited += nodes.len() as u64;
-            let spheres = self.store.spheres(level, nodes.clone());
+            let siblings = self.store.siblings(level, nodes.clone());
+            let spheres = siblings.spheres();
             let verdicts = chooser.verdicts(&spheres.centre, &spheres.radius);
-            for (index, verdict) in nodes.zip(verdicts) {
+            let splatted = verdicts[..nodes.len()].contains(&Verdict::Splat);
+            let means = if splatted { siblings.means(&spheres) } else { Means::default() };
+            let sights = splatted.then(|| chooser.sights(&means));
+            for (k, (index, verdict)) in nodes.zip(verdicts).enumerate() {
                 match verdict {
                     Verdict::Leave => {}
                     Verdict::Splat => {
-                        let node = self.store.node(level, index);
-                        if chooser.behind(&node) && self.store.is_one_sided(level, index) {
+                        let Some(sights) = sights.as_ref().filter(|s| s.above >> k & 1 == 1) else {
+                            continue;
+                        };
+                        if sights.behind >> k & 1 == 1 && siblings.is_one_sided(k) {
                             continue;
                         }
-                        let sent = |d| self.store.lobes(level, index, &node).sent(d);
-                        let both = |_| self.store.along_axis(level, index, &node);
-                        if let Some(splat) = chooser.node(&node, sent, both) {
-                            bunch.add_node(&splat, (node.centre, node.radius), splats);
+                        let area = means.area[k];
+                        let sent = |d| siblings.lobes(k, &means).sent(d);
+                        let face = |side| face(area, &siblings.along_axis(k, &means), side);
+                        let sight = sights.one(k, means.axis(k));
+                        if let Some(splat) = sight.splat(area, sent, face) {
+                            bunch.add_node(&splat, spheres.one(k), splats);
                         }
                     }
                     Verdict::Open if level == 0 => {
@@ -332,29 +382,10 @@ impl Stored for Floats {
         &self.counts
     }
 
-    fn spheres(&self, level: usize, nodes: Range<usize>) -> Spheres {
-        let mut spheres = Spheres::default();
-        for (k, (node, _)) in self.levels[level][nodes].iter().enumerate() {
-            spheres.set(k, node.centre, node.radius);
-        }
-        spheres
-    }
+    type Siblings<'a> = &'a [(Node, Exact)];
 
-    fn node(&self, level: usize, index: usize) -> Node {
-        self.levels[level][index].0
-    }
-
-    fn lobes(&self, level: usize, index: usize, _: &Node) -> Decoded {
-        Decoded { local_from_world: None, lobes: self.levels[level][index].1 }
-    }
-
-    fn along_axis(&self, level: usize, index: usize, node: &Node) -> [Sent; 2] {
-        self.levels[level][index].1.sent_both(&basis(node.axis.normalize_or(Vec3::Z)))
-    }
-
-    fn is_one_sided(&self, level: usize, index: usize) -> bool {
-        let (node, lobes) = &self.levels[level][index];
-        code::both(lobes, node.area) < 0.5 / 255.0
+    fn siblings(&self, level: usize, nodes: Range<usize>) -> &[(Node, Exact)] {
+        &self.levels[level][nodes]
     }
 
     fn records(&self, block: usize, wanted: impl Fn(&Places) -> u32, each: impl FnMut(&Record)) {
@@ -368,6 +399,35 @@ impl Stored for Floats {
         }
         let mask = wanted(&places);
         (0..records.len()).filter(|k| mask >> k & 1 == 1).map(|k| &records[k]).for_each(each);
+    }
+}
+
+impl Siblings for &[(Node, Exact)] {
+    fn spheres(&self) -> Spheres {
+        let mut spheres = Spheres::default();
+        for (k, (node, _)) in self.iter().enumerate() {
+            spheres.set(k, node.centre, node.radius);
+        }
+        spheres
+    }
+
+    fn means(&self, _: &Spheres) -> Means {
+        let mut means = Means::default();
+        self.iter().enumerate().for_each(|(k, (node, _))| means.set(k, node));
+        means
+    }
+
+    fn lobes(&self, k: usize, _: &Means) -> Decoded {
+        Decoded { local_from_world: None, lobes: self[k].1 }
+    }
+
+    fn along_axis(&self, k: usize, means: &Means) -> [Sent; 2] {
+        self[k].1.sent_both(&basis(means.axis(k).normalize_or(Vec3::Z)))
+    }
+
+    fn is_one_sided(&self, k: usize) -> bool {
+        let (node, lobes) = &self[k];
+        code::both(lobes, node.area) < 0.5 / 255.0
     }
 }
 
@@ -423,6 +483,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::Tree;
     use crate::curve::Cube;
+    use crate::sight::Sight;
     use chiaro_basis::random;
 
     /// Surfels on a bent sheet, along the curve.
@@ -443,6 +504,37 @@ pub(crate) mod tests {
         let cube = Cube::around(Vec3::new(0.0, -0.2, 0.0), Vec3::ONE);
         all.sort_by_key(|s| cube.index(s.position));
         all
+    }
+
+    /// A node of a store.
+    pub(crate) fn node(store: &impl Stored, level: usize, index: usize) -> Node {
+        let siblings = store.siblings(level, index..index + 1);
+        let spheres = siblings.spheres();
+        let means = siblings.means(&spheres);
+        let (centre, radius) = spheres.one(0);
+        let mean = Vec3::from(means.mean.map(|c| c[0]));
+        Node { centre, radius, mean, area: means.area[0], axis: means.axis(0), ..Node::default() }
+    }
+
+    #[test]
+    fn siblings_are_seen_as_each_by_itself() {
+        let tree = Packed::build(&records(&sheet(2000)));
+        let from = Vec3::new(0.4, 0.3, 0.2);
+        for (above, flat) in [(None, true), (Some(Vec3::new(0.6, -0.8, 0.0)), true), (None, false)]
+        {
+            let chooser = Chooser { from, threshold: 0.005, near: 0.1, mark: 0.1, above, flat };
+            let siblings = tree.store.siblings(0, 8..16);
+            let means = siblings.means(&siblings.spheres());
+            let sights = chooser.sights(&means);
+            for k in 0..FAN {
+                let own = node(&tree.store, 0, 8 + k);
+                let seen = (sights.above >> k & 1 == 1).then(|| sights.one(k, own.axis));
+                let alone = chooser.sight(&own);
+                assert_eq!(seen.is_some(), alone.is_some());
+                let bits = |s: Option<Sight>| s.map(|s| format!("{s:?}"));
+                assert_eq!(bits(seen), bits(alone));
+            }
+        }
     }
 
     #[test]

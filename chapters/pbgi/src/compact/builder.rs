@@ -65,7 +65,7 @@ pub struct Builder<'a> {
 impl<'a> Builder<'a> {
     /// An empty tree.
     pub fn new(format: Format) -> Self {
-        let whole = format.starts(PART_BLOCKS);
+        let (whole, stride) = (format.starts(PART_BLOCKS), format.node_bytes());
         let tree = Compact {
             format: Arc::new(format),
             parts: Vec::new(),
@@ -73,6 +73,7 @@ impl<'a> Builder<'a> {
             records: 0,
             seconds: Vec::new(),
             counts: Vec::new(),
+            stride,
             whole,
         };
         let (roots, waiting) = (Vec::new(), Vec::new());
