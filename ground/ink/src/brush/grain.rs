@@ -49,16 +49,19 @@ impl Inking<'_> {
         -b.rough * (0.5 + 0.3 * coarse + 0.4 * fine).max(0.0)
     }
 
-    /// The share of the ink that is there in the pixel around a place. Streaks and specks are as fine
-    /// as pixels, so that one look would make stairs of them, which flicker as the stroke moves;
-    /// pictures are read as wide as the pixel already.
+    /// The share of the ink that is there in the pixel around a place, as far as the stroke reaches into it.
+    /// Streaks and specks are as fine as pixels, so that one look would make stairs of them, which
+    /// flicker as the stroke moves; pictures are read as wide as the pixel already.
     pub(super) fn over_a_pixel(&self, axis: &Axis, place: &Place) -> f32 {
         if !matches!(self.brush.grain, Grain::Bristle | Grain::Charcoal | Grain::Pencil) {
             return self.ink(axis, place);
         }
+        let [from, to] =
+            [-0.5, 0.5].map(|side| (place.across + side).clamp(-place.half, place.half));
         let look = |[along, across]: [f32; 2]| {
             let u = place.u + f64::from(along);
-            self.ink(axis, &Place { u, across: place.across + across, ..*place })
+            let across = from + (to - from) * (across + 0.5);
+            self.ink(axis, &Place { u, across, ..*place })
         };
         0.25 * WITHIN.map(look).iter().sum::<f32>()
     }

@@ -3,8 +3,9 @@
 //! 1. Every stroke becomes ribbons, every ribbon mitred pieces; pieces are sorted into tiles.
 //! 2. In a tile the bands of lines that hide others are laid down: rims of paper, and haloes as the
 //!    depth of the nearest band.
-//! 3. Stroke after stroke, the greatest coverage of its pieces counts, so that no joint, bend or
-//!    crossing of a stroke with itself is darker; what lies behind a halo is left out.
+//! 3. Stroke after stroke, the greatest coverage of a ribbon's pieces counts, so that no joint, bend or
+//!    crossing of a stroke with itself is darker. Ribbons of one stroke (hairs, passes) are apart: two that
+//!    share a pixel cover what either leaves free. What lies behind a halo is left out.
 //!
 //! A pixel depends on the strokes and their order alone, not on threads.
 
@@ -138,6 +139,9 @@ struct Tile {
     pixels: Vec<[f32; 4]>,
     cover: Vec<f32>,
     depth: Vec<f32>,
+    /// Coverage and depth by one ribbon, and where that is not 0.
+    own: Vec<[f32; 2]>,
+    touched: Vec<usize>,
     /// Depth and coverage of the nearest band.
     front: Vec<[f32; 2]>,
 }
@@ -153,6 +157,8 @@ impl Tile {
             pixels: (0..TILE * TILE).map(pixel).collect(),
             cover: vec![0.0; TILE * TILE],
             depth: vec![0.0; TILE * TILE],
+            own: vec![[0.0; 2]; TILE * TILE],
+            touched: Vec::new(),
             front: Vec::new(),
         }
     }
@@ -162,9 +168,12 @@ impl Tile {
         for pieces in found.ink.chunk_by(|a, b| a[0] == b[0]) {
             let stroke = &ready[pieces[0][0] as usize];
             self.cover.fill(0.0);
-            for &[_, strip, piece] in pieces {
-                let strip = &stroke.strips[strip as usize];
-                self.cover_by(stroke.stroke, strip, &strip.pieces[piece as usize]);
+            for pieces in pieces.chunk_by(|a, b| a[1] == b[1]) {
+                let strip = &stroke.strips[pieces[0][1] as usize];
+                for &[_, _, piece] in pieces {
+                    self.cover_by(stroke.stroke, strip, &strip.pieces[piece as usize]);
+                }
+                self.unite();
             }
             self.ink(stroke.stroke);
         }
@@ -225,12 +234,26 @@ impl Tile {
             }
             let tear = if torn { inking.tear(&strip.axis, hit.u, hit.across > 0.0) } else { 0.0 };
             let mut cover = hit.cover(tear.max(-0.8 * hit.half));
-            if cover > self.cover[i] && !even {
+            if cover > self.own[i][0] && !even {
                 cover *= inking.over_a_pixel(&strip.axis, &place(&hit, strip));
             }
-            if cover > self.cover[i] {
-                (self.cover[i], self.depth[i]) = (cover, hit.depth);
+            if cover > self.own[i][0] {
+                if self.own[i][0] == 0.0 {
+                    self.touched.push(i);
+                }
+                self.own[i] = [cover, hit.depth];
             }
+        }
+    }
+
+    /// Adds what a ribbon covers to what the stroke covers: ribbons lie in a pixel as chance has it.
+    fn unite(&mut self) {
+        for i in self.touched.drain(..) {
+            let [cover, depth] = std::mem::take(&mut self.own[i]);
+            if cover > self.cover[i] {
+                self.depth[i] = depth;
+            }
+            self.cover[i] += cover * (1.0 - self.cover[i]);
         }
     }
 
