@@ -448,7 +448,8 @@ pub(crate) struct LightArgs {
     /// Write the compact tree of surfels into a file, which is then mapped instead of kept.
     #[arg(long, value_name = "FILE", conflicts_with = "tree")]
     pub(crate) bake: Option<PathBuf>,
-    /// Take far light from a tree that --bake wrote; larger than memory, and shared by renders.
+    /// Take far light from a tree that --bake wrote, and surfels and bounces from it too where --set does
+    /// not say; larger than memory, and shared by renders.
     #[arg(long, value_name = "FILE")]
     pub(crate) tree: Option<PathBuf>,
     /// The table of words of a compact tree: read from FILE, or learned and written where there is no

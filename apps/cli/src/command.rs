@@ -234,6 +234,13 @@ impl LightSettings {
         if args.bake.is_some() || args.tree.is_some() || args.book.is_some() {
             knobs.set("tree", "compact")?;
         }
+        if let Some(tree) = &args.tree {
+            let set = |knob: &str| {
+                args.sets.iter().any(|s| s.split('=').next().map(str::trim) == Some(knob))
+            };
+            let said = |knob: &str| set(knob) || knob == "max_error" && args.max_error.is_some();
+            chiaro::light::adopt(tree, &mut knobs, said)?;
+        }
         if let Some(stops) = args.exposure {
             knobs.set("exposure", &stops.to_string())?;
         }

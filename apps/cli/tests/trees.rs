@@ -60,6 +60,34 @@ fn two_renders_share_a_baked_tree_under_a_cap_and_draw_what_the_bake_drew() {
 }
 
 #[test]
+fn what_a_tree_was_baked_with_holds_where_nothing_else_is_said() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let baked = light(dir.path(), &["--set", "bounces=1", "--bake", "a.pbgi", "-o", "a.png"]);
+    assert!(baked.status.success(), "{}", stderr(&baked));
+    let with = |more: &[&str]| {
+        let args = ["--tree", "a.pbgi", "--size", "64x48", "--set", "edges=1", "-o", "b.png"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_chiaro"));
+        command.current_dir(dir.path()).args(["light", "demo:cornell-box"]).args(args);
+        let output = command.args(["--json", "b.json"]).args(more).output().expect("it runs");
+        assert!(output.status.success(), "{}", stderr(&output));
+        record(dir.path(), "b.json")
+    };
+    let own = with(&[]);
+    assert_eq!(
+        (&own["settings"]["surfels"], &own["settings"]["bounces"]),
+        (&3000.into(), &1.into())
+    );
+    assert_eq!(own["warnings"].as_array().map(Vec::len), Some(0), "{}", own["warnings"]);
+    assert!(pixels(dir.path(), "a.png") == pixels(dir.path(), "b.png"));
+    let said = with(&["--set", "bounces=2"]);
+    assert_eq!(
+        (&said["settings"]["surfels"], &said["settings"]["bounces"]),
+        (&3000.into(), &2.into())
+    );
+    assert!(said["warnings"][0].as_str().is_some_and(|w| w.contains("bounces = 1 (here 2)")));
+}
+
+#[test]
 fn a_book_is_made_once_and_read_then() {
     let dir = tempfile::tempdir().expect("a folder");
     let json = ["--json", "a.json", "--book", "a.book", "-o", "a.png"];

@@ -26,6 +26,8 @@ const MAGIC: &[u8; 12] = b"chiaro pbgi\n";
 const BOOK_MAGIC: &[u8; 12] = b"chiaro book\n";
 const VERSION: u32 = 3;
 const END: &[u8; 8] = b"pbgi end";
+const CUT: &str = "is no whole tree file; bake it again with chiaro light --bake";
+const ALTERED: &str = "was altered or damaged; bake it again with chiaro light --bake";
 /// Parts that are checked between two pauses: some ten megabytes.
 const PARTS_AT_ONCE: usize = 128;
 /// Bytes of a checksum.
@@ -96,13 +98,15 @@ pub fn read_book(bytes: &[u8], name: &str) -> Result<Book> {
     Reader(numbers).book().ok_or_else(altered)
 }
 
-/// A tree in the bytes of a file, and what it was made from. `name` is told in errors; `pause` is
-/// called whenever some more megabytes have been read, so that pages can be given back.
-pub fn open(bytes: Bytes, name: &str, pause: &dyn Fn()) -> Result<(Packed<Compact>, String)> {
-    let all = (*bytes).as_ref();
+/// What the tree in the bytes of a file was made from; of the bytes of its parts nothing is read.
+pub fn origin(bytes: &[u8], name: &str) -> Result<String> {
+    Ok(tail_of(bytes, name)?.0.origin)
+}
+
+/// The tail of a tree file's bytes, and where it begins.
+fn tail_of(all: &[u8], name: &str) -> Result<(Tail, usize)> {
     let wrong = |why: &str| Error::input(name, "", why);
-    let cut = || wrong("is no whole tree file; bake it again with chiaro light --bake");
-    let altered = || wrong("was altered or damaged; bake it again with chiaro light --bake");
+    let cut = || wrong(CUT);
     if !all.starts_with(MAGIC) {
         return Err(wrong("is no tree file; make one with chiaro light --bake"));
     }
@@ -116,10 +120,20 @@ pub fn open(bytes: Bytes, name: &str, pause: &dyn Fn()) -> Result<(Packed<Compac
     let end = all.len() - 16 - SUM;
     let start = usize::try_from(start).ok().filter(|s| (16..=end).contains(s)).ok_or_else(cut)?;
     if checksum(&all[start..end]).to_le_bytes() != all[end..end + SUM] {
-        return Err(altered());
+        return Err(wrong(ALTERED));
     }
-    let read = read_tail(&all[start..end]).ok_or_else(altered)?;
-    let Tail { format, leaf_radius, records, seconds, origin, crown } = read;
+    let tail = read_tail(&all[start..end]).ok_or_else(|| wrong(ALTERED))?;
+    Ok((tail, start))
+}
+
+/// A tree in the bytes of a file, and what it was made from. `name` is told in errors; `pause` is
+/// called whenever some more megabytes have been read, so that pages can be given back.
+pub fn open(bytes: Bytes, name: &str, pause: &dyn Fn()) -> Result<(Packed<Compact>, String)> {
+    let all = (*bytes).as_ref();
+    let wrong = |why: &str| Error::input(name, "", why);
+    let altered = || wrong(ALTERED);
+    let (tail, start) = tail_of(all, name)?;
+    let Tail { format, leaf_radius, records, seconds, origin, crown } = tail;
     let mut starts = Vec::new();
     let mut at = 16;
     for (first, seconds) in (0..records).step_by(PART).zip(&seconds) {
@@ -128,7 +142,7 @@ pub fn open(bytes: Bytes, name: &str, pause: &dyn Fn()) -> Result<(Packed<Compac
         at += length + SUM;
     }
     if at != start {
-        return Err(cut());
+        return Err(wrong(CUT));
     }
     let sound = |&(at, length): &(usize, usize)| {
         checksum(&all[at..at + length]).to_le_bytes() == all[at + length..at + length + SUM]

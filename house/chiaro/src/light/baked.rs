@@ -9,7 +9,7 @@ use super::cap::{Cap, TOUCHES};
 use crate::disk::reason;
 use crate::project::Project;
 use crate::record::Output;
-use chiaro_basis::{Error, Result, Run};
+use chiaro_basis::{Error, Knobs, Result, Run};
 use chiaro_pbgi::compact::{Bytes, Compact};
 use chiaro_pbgi::packed::Packed;
 use chiaro_pbgi::{LightKnobs, OwnSky, file};
@@ -56,13 +56,7 @@ pub(crate) fn origin(project: &Project, knobs: &LightKnobs, env_hash: Option<&st
 
 /// Maps a tree file and checks it; a warning when it was made from another scene or other light.
 pub(crate) fn open(path: &Path, expected: &str, cap: Option<&Cap>, run: &Run) -> Result<Baked> {
-    let name = path.display().to_string();
-    let fail = |e: std::io::Error| Error::input(name.clone(), "", reason(&e));
-    let opened = File::open(path).map_err(fail)?;
-    if opened.metadata().map_err(fail)?.len() == 0 {
-        return Err(Error::input(name, "", "is empty; make one with chiaro light --bake"));
-    }
-    let map = map(&opened).map_err(fail)?;
+    let (name, map) = mapped(path)?;
     if let Some(cap) = cap {
         cap.keeps(&map);
     }
@@ -75,6 +69,22 @@ pub(crate) fn open(path: &Path, expected: &str, cap: Option<&Cap>, run: &Run) ->
         run.warn(format!("{name} was baked from {made}; far light comes from there"));
     }
     Ok(Baked { tree, origin })
+}
+
+/// What a tree file knows of how it was made, by the names of knobs.
+const MADE_WITH: [&str; 4] = ["surfels", "bounces", "clusters", "max_error"];
+
+/// Sets knobs as those of the tree in a file were, but for those that the user has `said`.
+pub fn adopt(path: &Path, knobs: &mut LightKnobs, said: impl Fn(&str) -> bool) -> Result<()> {
+    let (name, map) = mapped(path)?;
+    let made = file::origin(&map, &name)?;
+    let made = serde_json::from_str::<Map<String, Value>>(&made).unwrap_or_default();
+    for knob in MADE_WITH.into_iter().filter(|knob| !said(knob)) {
+        if let Some(value) = made.get(knob).filter(|value| value.is_number()) {
+            knobs.set(knob, &value.to_string())?;
+        }
+    }
+    Ok(())
 }
 
 /// How what a tree was made from differs from what is expected, in words.
@@ -111,6 +121,18 @@ impl AsRef<[u8]> for Mapped {
         }
         &self.map
     }
+}
+
+/// The bytes of a tree file, which is not empty, and its name.
+fn mapped(path: &Path) -> Result<(String, Arc<Mmap>)> {
+    let name = path.display().to_string();
+    let fail = |e: std::io::Error| Error::input(name.clone(), "", reason(&e));
+    let opened = File::open(path).map_err(fail)?;
+    if opened.metadata().map_err(fail)?.len() == 0 {
+        return Err(Error::input(name, "", "is empty; make one with chiaro light --bake"));
+    }
+    let map = map(&opened).map_err(fail)?;
+    Ok((name, map))
 }
 
 /// The bytes of a file where they lie.

@@ -17,6 +17,7 @@ mod still;
 mod trial;
 mod under;
 
+pub use baked::adopt;
 pub use cap::parse_bytes;
 pub use job::{Check, Job, Method, check_target};
 pub(crate) use still::{AnyTree, Still, nearness, still};
