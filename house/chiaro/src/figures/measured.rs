@@ -1,6 +1,7 @@
 //! Tables 6.1 to 6.3, figure 6.6, and codes side by side: what is measured, beside the thesis's numbers.
 
 use super::chart::{Axis, COLOURS, Chart, Scale, Series, table};
+use super::front::front;
 use super::lessons::{self, DENSE, SIZE, SPARSE};
 use super::quantized::{Measured, name_of};
 use crate::light::{Still, nearness, still};
@@ -64,7 +65,8 @@ pub(super) const FIGURES: [Measured; 5] = [
         title: "what codes cost and lose",
         message: "Bytes a surfel of the whole tree against decibels of the displayed picture to the same \
                   tree in floats, and against the 99th percentile of a node's relative error. The thesis's \
-                  own tree has one surfel a leaf; all others have blocks of 16.",
+                  own tree has one surfel a leaf; all others have blocks of 16. The line is the codes' \
+                  front: no mixture of two others has more decibels, or less error, in as many bytes.",
         columns: 2,
         scenes: &SCENES,
         draw: rate,
@@ -370,6 +372,37 @@ struct Way {
     bytes: f64,
     psnr: Option<f64>,
     p99: f64,
+    /// Whether it is the default.
+    chosen: bool,
+}
+
+impl Way {
+    /// Bytes and how near the picture is, where it is not the same.
+    fn near(&self) -> Option<[f64; 2]> {
+        Some([self.bytes, self.psnr?])
+    }
+
+    /// Bytes and how far nodes are, in percent.
+    fn far(&self) -> Option<[f64; 2]> {
+        Some([self.bytes, 100.0 * self.p99])
+    }
+}
+
+/// Families of codes of nodes over blocks.
+const CODES: std::ops::Range<usize> = 1..6;
+
+/// The front of the codes: the most decibels, and the least errors in logarithms, for their bytes.
+fn fronts(all: &[Way]) -> [Vec<[f64; 2]>; 2] {
+    let codes = || all.iter().filter(|w| CODES.contains(&w.family));
+    let near: Vec<[f64; 2]> = codes().filter_map(Way::near).collect();
+    let far: Vec<[f64; 2]> = codes().filter_map(Way::far).map(|[x, y]| [x, -y.ln()]).collect();
+    [front(&near), front(&far).into_iter().map(|[x, y]| [x, (-y).exp()]).collect()]
+}
+
+/// Whether a point lies on a front.
+fn is_on(front: &[[f64; 2]], point: Option<[f64; 2]>) -> bool {
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
+    point.is_some_and(|[x, y]| front.iter().any(|p| same(p[0], x) && same(p[1], y)))
 }
 
 const FAMILIES: [&str; 7] = [
@@ -406,10 +439,11 @@ fn rate(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> {
         let knobs = LightKnobs { bounces: 1, edges: 2, ..LightKnobs::default() };
         still(scene, SIZE, &knobs, run, |at| {
             let all = compared(at, run)?;
-            for (part, families) in [("", 0..FAMILIES.len()), (", the codes alone", 1..6)] {
+            let fronts = fronts(&all);
+            for (part, families) in [("", 0..FAMILIES.len()), (", the codes alone", CODES)] {
                 let title = format!("{}{part}", name_of(scene));
-                for (chart, title) in charts(&all, families).into_iter().zip([title, String::new()])
-                {
+                let both = charts(&all, &fronts, families).into_iter();
+                for (chart, title) in both.zip([title, String::new()]) {
                     sheet.add(chart.draw((640, 400)), title);
                 }
             }
@@ -417,6 +451,8 @@ fn rate(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> {
                 json!({
                     "scene": scene, "family": FAMILIES[w.family], "code": w.name,
                     "bytes_per_surfel": w.bytes, "psnr_db": w.psnr, "p99_node_error": w.p99,
+                    "default": w.chosen, "on_front_of_psnr": is_on(&fronts[0], w.near()),
+                    "on_front_of_p99": is_on(&fronts[1], w.far()),
                 })
             }));
             Ok(())
@@ -425,23 +461,35 @@ fn rate(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> {
     Ok(values)
 }
 
-/// Families of codes against decibels, and against node errors.
-fn charts(all: &[Way], families: std::ops::Range<usize>) -> [Chart; 2] {
-    let series = |point: &dyn Fn(&Way) -> Option<[f64; 2]>| -> Vec<Series> {
-        let one = |family: usize| Series {
-            name: FAMILIES[family].into(),
-            colour: COLOURS[family],
-            points: all.iter().filter(|w| w.family == family).filter_map(point).collect(),
+/// Families of codes against decibels, and against node errors, with the front and the default.
+fn charts(
+    all: &[Way],
+    fronts: &[Vec<[f64; 2]>; 2],
+    families: std::ops::Range<usize>,
+) -> [Chart; 2] {
+    let series = |front: &[[f64; 2]], point: fn(&Way) -> Option<[f64; 2]>| -> Vec<Series> {
+        let one = |name: &str, colour, points| Series {
+            name: name.into(),
+            colour,
+            points,
             joined: false,
         };
-        families.clone().map(one).collect()
+        let line = Series { joined: true, ..one("front of the codes", [0.7; 3], front.to_vec()) };
+        let of = |family: usize| {
+            let points = all.iter().filter(|w| w.family == family).filter_map(point).collect();
+            one(FAMILIES[family], COLOURS[family], points)
+        };
+        let chosen = all.iter().filter(|w| w.chosen).filter_map(point).collect();
+        let last = one("the default", COLOURS[7], chosen);
+        [line].into_iter().chain(families.clone().map(of)).chain([last]).collect()
     };
-    let x = || Axis { name: "bytes a surfel", scale: Scale::Log };
-    let near = series(&|w| Some([w.bytes, w.psnr?]));
-    let far = series(&|w| Some([w.bytes, 100.0 * w.p99]));
+    let x = || Axis { name: "bytes a surfel", scale: Scale::Linear };
     let decibels = Axis { name: "dB of the picture", scale: Scale::Linear };
     let errors = Axis { name: "p99 node error, %", scale: Scale::Log };
-    [Chart { x: x(), y: decibels, series: near }, Chart { x: x(), y: errors, series: far }]
+    [
+        Chart { x: x(), y: decibels, series: series(&fronts[0], Way::near) },
+        Chart { x: x(), y: errors, series: series(&fronts[1], Way::far) },
+    ]
 }
 
 /// All codes on one scene.
@@ -471,7 +519,7 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
     let floats = coded(&stream::taught(&lessons, &plain, run)?)?.1;
     let floats = floats + (72 - plain.bytes()) as f64 * nodes.len() as f64 / surfels;
     let (name, psnr) = ("half floats".to_owned(), near.psnr);
-    all.push(Way { name, family: 6, bytes: floats, psnr, p99: 5e-4 });
+    all.push(Way { name, family: 6, bytes: floats, psnr, p99: 5e-4, chosen: false });
     for (family, name, recipe) in ways() {
         let book = stream::taught(&lessons, &recipe, run)?;
         let mut own: Vec<f64> = nodes
@@ -485,7 +533,8 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
         let (tree, bytes) = coded(&book)?;
         points.tree = Box::new(tree);
         let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
-        all.push(Way { name, family, bytes, psnr: near.psnr, p99 });
+        let chosen = recipe == Recipe::default();
+        all.push(Way { name, family, bytes, psnr: near.psnr, p99, chosen });
     }
     // The thesis's own tree, against itself in floats.
     let taught = lessons::of(at, SPARSE, run)?;
@@ -501,7 +550,8 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
         let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
         let nodes = lessons::nodes(&Classic::exact(&records, Leaf::B));
         let p99 = lessons::p99_error(&nodes, &book);
-        all.push(Way { name: words.to_string(), family: 0, bytes, psnr: near.psnr, p99 });
+        let (name, psnr) = (words.to_string(), near.psnr);
+        all.push(Way { name, family: 0, bytes, psnr, p99, chosen: false });
     }
     Ok(all)
 }

@@ -10,6 +10,7 @@ mod chart;
 mod comparisons;
 mod diffusion;
 mod films;
+mod front;
 mod lessons;
 mod light;
 mod measured;
