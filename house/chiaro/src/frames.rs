@@ -11,6 +11,7 @@ use crate::record::{Output, Record};
 use crate::write;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
+use chiaro_image::codec::Packed;
 use serde_json::{Map, Value};
 use std::path::PathBuf;
 
@@ -21,7 +22,7 @@ pub(crate) struct Frames<'a> {
     parts: usize,
     recipe: &'a dyn Fn(u32) -> String,
     outputs: Vec<(u32, Output)>,
-    pictures: Vec<(u32, Plane<[u8; 4]>)>,
+    pictures: Vec<(u32, Packed)>,
     counts: Vec<(u32, Map<String, Value>)>,
 }
 
@@ -65,9 +66,9 @@ impl<'a> Frames<'a> {
         self.target.is_animation()
     }
 
-    /// Keeps a frame of an animation.
+    /// Keeps a frame of an animation, packed, so that long films need not be in memory as pixels.
     pub(crate) fn keep(&mut self, number: u32, picture: Plane<[u8; 4]>) {
-        self.pictures.push((number, picture));
+        self.pictures.push((number, Packed::of(picture)));
     }
 
     /// Writes a frame's own file.

@@ -7,14 +7,14 @@ use crate::disk::reason;
 use crate::record::Output;
 use crate::write;
 use chiaro_basis::{Error, Result, Run};
-use chiaro_image::{Plane, codec};
+use chiaro_image::codec::{self, Pictures};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 /// What a film shows.
 pub(crate) struct Movie<'a> {
-    pub(crate) frames: &'a [Plane<[u8; 4]>],
+    pub(crate) frames: &'a dyn Pictures,
     /// Frames a second.
     pub(crate) fps: f64,
     pub(crate) recipe: &'a str,
@@ -77,7 +77,7 @@ impl Container {
 
     fn arguments(self, movie: &Movie) -> Vec<String> {
         let Movie { frames, fps, recipe } = movie;
-        let (width, height) = frames.first().map_or((0, 0), Plane::size);
+        let (width, height) = if frames.count() > 0 { frames.size(0) } else { (0, 0) };
         let input = format!(
             "-v error -y -threads 1 -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps} -i - -an"
         );
@@ -101,7 +101,7 @@ impl Container {
 }
 
 /// Runs the encoder on the frames.
-fn encode(mut command: Command, frames: &[Plane<[u8; 4]>], path: &Path, run: &Run) -> Result<()> {
+fn encode(mut command: Command, frames: &dyn Pictures, path: &Path, run: &Run) -> Result<()> {
     let fail = |why: String| Error::output(path.display().to_string(), why);
     command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(|e| fail(format!("ffmpeg: {}", reason(&e))))?;
@@ -133,11 +133,12 @@ fn encode(mut command: Command, frames: &[Plane<[u8; 4]>], path: &Path, run: &Ru
 }
 
 /// Gives the frames to the encoder. One that ends early tells by itself why.
-fn feed(child: &mut Child, frames: &[Plane<[u8; 4]>], run: &Run) -> Result<()> {
+fn feed(child: &mut Child, frames: &dyn Pictures, run: &Run) -> Result<()> {
     let Some(mut pipe) = child.stdin.take() else { return Ok(()) };
-    for frame in frames {
+    for k in 0..frames.count() {
         run.check()?;
-        let rows: Vec<u8> = frame.pixels().iter().flat_map(|p| over_white(*p)).collect();
+        let rows: Vec<u8> =
+            frames.picture(k).pixels().iter().flat_map(|p| over_white(*p)).collect();
         if pipe.write_all(&rows).is_err() {
             break;
         }
@@ -175,7 +176,7 @@ mod tests {
 
     #[test]
     fn arguments_hold_the_recipe_in_one_piece() {
-        let frames = [Plane::filled(9, 5, [0; 4])];
+        let frames = vec![chiaro_image::Plane::filled(9, 5, [0; 4])];
         let recipe = "size = 9x5; style = ink";
         let arguments = Container::Mp4.arguments(&Movie { frames: &frames, fps: 23.976, recipe });
         assert_eq!(arguments.last().unwrap(), "comment=size = 9x5; style = ink");

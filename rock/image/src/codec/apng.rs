@@ -1,7 +1,7 @@
 //! Animated PNG: a short film in one file that any browser plays.
 
+use super::packed::Pictures;
 use super::png::RECIPE;
-use crate::Plane;
 use chiaro_basis::{Error, Result};
 use png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
 
@@ -10,19 +10,22 @@ use png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
 ///
 /// # Errors
 /// [`Error::Setting`] without frames, or when their sizes differ.
-pub fn write_apng(frames: &[Plane<[u8; 4]>], fps: f64, recipe: Option<&str>) -> Result<Vec<u8>> {
-    let wrong = |why: String| Error::setting("animation", format!("{} frames", frames.len()), why);
-    let first = frames.first().ok_or_else(|| wrong("at least one frame".into()))?;
-    if frames.iter().any(|f| f.size() != first.size()) {
+pub fn write_apng(frames: &dyn Pictures, fps: f64, recipe: Option<&str>) -> Result<Vec<u8>> {
+    let count = frames.count();
+    let wrong = |why: String| Error::setting("animation", format!("{count} frames"), why);
+    if count == 0 {
+        return Err(wrong("at least one frame".into()));
+    }
+    let (width, height) = frames.size(0);
+    if (1..count).any(|k| frames.size(k) != (width, height)) {
         return Err(wrong("frames of one size".into()));
     }
-    let (width, height) = first.size();
     let mut bytes = Vec::new();
     let written = (|| {
         let mut encoder = Encoder::new(&mut bytes, width as u32, height as u32);
         encoder.set_color(ColorType::Rgba);
         encoder.set_depth(BitDepth::Eight);
-        encoder.set_animated(frames.len() as u32, 0)?;
+        encoder.set_animated(count as u32, 0)?;
         encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
         let (numerator, denominator) = delay(fps);
         encoder.set_frame_delay(numerator, denominator)?;
@@ -30,8 +33,8 @@ pub fn write_apng(frames: &[Plane<[u8; 4]>], fps: f64, recipe: Option<&str>) -> 
             encoder.add_itxt_chunk(RECIPE.into(), recipe.into())?;
         }
         let mut writer = encoder.write_header()?;
-        for frame in frames {
-            writer.write_image_data(frame.pixels().as_flattened())?;
+        for k in 0..count {
+            writer.write_image_data(frames.picture(k).pixels().as_flattened())?;
         }
         writer.finish()
     })();
@@ -50,6 +53,7 @@ fn delay(fps: f64) -> (u16, u16) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Plane;
     use std::io::Cursor;
 
     #[test]
@@ -80,9 +84,9 @@ mod tests {
 
     #[test]
     fn animations_of_nothing_or_of_two_sizes_are_refused() {
-        assert!(write_apng(&[], 24.0, None).is_err());
-        let frames = [Plane::filled(2, 2, [0; 4]), Plane::filled(2, 3, [0; 4])];
+        assert!(write_apng(&Vec::<Plane<[u8; 4]>>::new(), 24.0, None).is_err());
+        let frames = vec![Plane::filled(2, 2, [0; 4]), Plane::filled(2, 3, [0; 4])];
         assert!(write_apng(&frames, 24.0, None).is_err());
-        assert!(write_apng(&[Plane::default()], 24.0, None).is_err());
+        assert!(write_apng(&vec![Plane::default()], 24.0, None).is_err());
     }
 }

@@ -9,6 +9,7 @@
 //! GIF counts time in hundredths of a second: frames begin at the hundredth nearest to their time,
 //! so that a film keeps its length whatever its rate.
 
+use super::packed::Pictures;
 use crate::Plane;
 use chiaro_basis::{Error, Result};
 use color_quant::NeuQuant;
@@ -19,6 +20,9 @@ use std::collections::{BTreeSet, HashMap};
 /// The most pixels that the palette is learned on.
 const SAMPLE: usize = 1 << 18;
 
+/// Frames that are worked on at once, so that memory does not grow with the film.
+const AT_ONCE: usize = 16;
+
 /// Half the difference between the greatest and the least offset of the dither, in code values.
 const DITHER: i32 = 5;
 
@@ -27,30 +31,21 @@ const DITHER: i32 = 5;
 ///
 /// # Errors
 /// [`Error::Setting`] without frames, when their sizes differ, or when a side is over 65535.
-pub fn write_gif(frames: &[Plane<[u8; 4]>], fps: f64, recipe: Option<&str>) -> Result<Vec<u8>> {
-    let wrong = |why: String| Error::setting("animation", format!("{} frames", frames.len()), why);
-    let first = frames.first().ok_or_else(|| wrong("at least one frame".into()))?;
-    if frames.iter().any(|f| f.size() != first.size()) {
+pub fn write_gif(frames: &dyn Pictures, fps: f64, recipe: Option<&str>) -> Result<Vec<u8>> {
+    let count = frames.count();
+    let wrong = |why: String| Error::setting("animation", format!("{count} frames"), why);
+    if count == 0 {
+        return Err(wrong("at least one frame".into()));
+    }
+    let size = frames.size(0);
+    if (1..count).any(|k| frames.size(k) != size) {
         return Err(wrong("frames of one size".into()));
     }
     let side = |n: usize| u16::try_from(n).ok().filter(|n| *n > 0);
-    let (Some(width), Some(height)) = (side(first.width()), side(first.height())) else {
+    let (Some(width), Some(height)) = (side(size.0), side(size.1)) else {
         return Err(wrong("frames of 1 to 65535 pixels a side, as GIF has them".into()));
     };
     let palette = Palette::of(frames);
-    let indices: Vec<Vec<u8>> = frames.par_iter().map(|f| palette.indices(f)).collect();
-    let starts = starts(&indices, palette.transparent.is_none());
-    let encoded: Vec<Frame<'_>> = (0..starts.len())
-        .into_par_iter()
-        .map(|k| {
-            let before = (k > 0).then(|| &*indices[starts[k - 1]]);
-            let end = starts.get(k + 1).copied().unwrap_or(frames.len());
-            let mut frame = palette.frame(&indices[starts[k]], before, width);
-            frame.delay = (hundredth(end, fps) - hundredth(starts[k], fps)).clamp(2, 65535) as u16;
-            frame.make_lzw_pre_encoded();
-            frame
-        })
-        .collect();
     let mut bytes = Vec::new();
     let written = (|| {
         let mut encoder = Encoder::new(&mut bytes, width, height, &palette.colours)?;
@@ -60,20 +55,55 @@ pub fn write_gif(frames: &[Plane<[u8; 4]>], fps: f64, recipe: Option<&str>) -> R
             let blocks: Vec<&[u8]> = recipe.as_bytes().chunks(255).collect();
             encoder.write_raw_extension(comment, &blocks)?;
         }
-        encoded.iter().try_for_each(|frame| encoder.write_lzw_pre_encoded_frame(frame))
+        write_frames(&mut encoder, frames, &palette, fps)
     })();
     written.map_err(|e: EncodingError| wrong(format!("an animation that GIF can hold ({e})")))?;
     Ok(bytes)
 }
 
+/// Writes the frames that show something else than the one before, some at once.
+fn write_frames<W: std::io::Write>(
+    encoder: &mut Encoder<W>,
+    frames: &dyn Pictures,
+    palette: &Palette,
+    fps: f64,
+) -> std::result::Result<(), EncodingError> {
+    let count = frames.count();
+    let width = frames.size(0).0 as u16;
+    // Each frame waits for the one that ends it.
+    let mut waiting: Option<(usize, Frame<'static>)> = None;
+    let mut last: Option<Vec<u8>> = None;
+    let mut end = |waiting: Option<(usize, Frame<'static>)>, end: usize| {
+        let Some((start, mut frame)) = waiting else { return Ok(()) };
+        frame.delay = (hundredth(end, fps) - hundredth(start, fps)).clamp(2, 65535) as u16;
+        encoder.write_lzw_pre_encoded_frame(&frame)
+    };
+    for first in (0..count).step_by(AT_ONCE) {
+        let chunk = first..(first + AT_ONCE).min(count);
+        let indices: Vec<Vec<u8>> =
+            chunk.clone().into_par_iter().map(|k| palette.indices(&frames.picture(k))).collect();
+        let before = |i: usize| if i == 0 { last.as_ref() } else { Some(&indices[i - 1]) };
+        let shows = |i: &usize| palette.transparent.is_some() || before(*i) != Some(&indices[*i]);
+        let encoded: Vec<(usize, Frame<'static>)> = (0..indices.len())
+            .into_par_iter()
+            .filter(shows)
+            .map(|i| {
+                let mut frame = palette.frame(&indices[i], before(i).map(Vec::as_slice), width);
+                frame.make_lzw_pre_encoded();
+                (first + i, frame)
+            })
+            .collect();
+        for (start, frame) in encoded {
+            end(waiting.replace((start, frame)), start)?;
+        }
+        last = indices.into_iter().next_back();
+    }
+    end(waiting, count)
+}
+
 /// The hundredth of a second at which frame `k` begins.
 fn hundredth(k: usize, fps: f64) -> i64 {
     (k as f64 * 100.0 / fps.clamp(0.01, 50.0)).round() as i64
-}
-
-/// The frames that show something else than the one before; the others are told by its delay.
-fn starts(indices: &[Vec<u8>], may_skip: bool) -> Vec<usize> {
-    (0..indices.len()).filter(|&k| k == 0 || !may_skip || indices[k] != indices[k - 1]).collect()
 }
 
 /// The colours of a film.
@@ -90,9 +120,10 @@ enum Kind {
 }
 
 impl Palette {
-    fn of(frames: &[Plane<[u8; 4]>]) -> Self {
+    fn of(frames: &dyn Pictures) -> Self {
         let is_clear = |p: &[u8; 4]| p[3] < 128;
-        let has_clear = frames.par_iter().any(|f| f.pixels().iter().any(is_clear));
+        let any_clear = |k| frames.picture(k).pixels().iter().any(is_clear);
+        let has_clear = (0..frames.count()).into_par_iter().any(any_clear);
         let most = 256 - usize::from(has_clear);
         let mut palette = exact(frames, most).unwrap_or_else(|| learned(frames, most));
         if has_clear {
@@ -147,11 +178,11 @@ impl Palette {
 }
 
 /// A palette of the film's own colours, if there are few enough.
-fn exact(frames: &[Plane<[u8; 4]>], most: usize) -> Option<Palette> {
+fn exact(frames: &dyn Pictures, most: usize) -> Option<Palette> {
     let mut found = BTreeSet::new();
-    for frame in frames {
+    for k in 0..frames.count() {
         let mut last = None;
-        for &[r, g, b, a] in frame.pixels() {
+        for &[r, g, b, a] in frames.picture(k).pixels() {
             if a >= 128 && last != Some([r, g, b]) {
                 last = Some([r, g, b]);
                 found.insert([r, g, b]);
@@ -167,13 +198,19 @@ fn exact(frames: &[Plane<[u8; 4]>], most: usize) -> Option<Palette> {
 }
 
 /// A palette that lies near the film's colours.
-fn learned(frames: &[Plane<[u8; 4]>], most: usize) -> Palette {
-    let all: usize = frames.iter().map(|f| f.pixels().len()).sum();
+fn learned(frames: &dyn Pictures, most: usize) -> Palette {
+    let (width, height) = frames.size(0);
+    let (count, area) = (frames.count(), width * height);
     // Odd, so that the sample is no column of the frame.
-    let step = all.div_ceil(SAMPLE) | 1;
+    let step = (count * area).div_ceil(SAMPLE) | 1;
     let opaque = |p: &&[u8; 4]| p[3] >= 128;
-    let pixels = frames.iter().flat_map(|f| f.pixels()).step_by(step).filter(opaque);
-    let sample: Vec<u8> = pixels.flat_map(|&[r, g, b, _]| [r, g, b, 255]).collect();
+    let of = |k: usize| -> Vec<u8> {
+        let picture = frames.picture(k);
+        // The sample goes on from frame to frame.
+        let pixels = picture.pixels().iter().skip((step - k * area % step) % step).step_by(step);
+        pixels.filter(opaque).flat_map(|&[r, g, b, _]| [r, g, b, 255]).collect()
+    };
+    let sample: Vec<u8> = (0..count).flat_map(of).collect();
     let map = NeuQuant::new(1, most, &sample);
     Palette { colours: map.color_map_rgb(), transparent: None, kind: Kind::Learned(Box::new(map)) }
 }
@@ -241,9 +278,9 @@ mod tests {
 
     #[test]
     fn what_stands_still_is_one_frame_of_the_whole_time() {
-        let frames = vec![Plane::filled(4, 4, [1, 2, 3, 255]); 12];
+        let frames = vec![Plane::filled(4, 4, [1, 2, 3, 255]); 36];
         let shown = played(&write_gif(&frames, 24.0, None).unwrap());
-        assert_eq!((shown.len(), shown[0].1), (1, 50));
+        assert_eq!((shown.len(), shown[0].1), (1, 150));
     }
 
     #[test]
@@ -277,9 +314,9 @@ mod tests {
 
     #[test]
     fn films_of_nothing_or_of_two_sizes_are_refused() {
-        assert!(write_gif(&[], 24.0, None).is_err());
-        let frames = [Plane::filled(2, 2, [0; 4]), Plane::filled(2, 3, [0; 4])];
+        assert!(write_gif(&Vec::<Plane<[u8; 4]>>::new(), 24.0, None).is_err());
+        let frames = vec![Plane::filled(2, 2, [0; 4]), Plane::filled(2, 3, [0; 4])];
         assert!(write_gif(&frames, 24.0, None).is_err());
-        assert!(write_gif(&[Plane::filled(70_000, 1, [0; 4])], 24.0, None).is_err());
+        assert!(write_gif(&vec![Plane::filled(70_000, 1, [0; 4])], 24.0, None).is_err());
     }
 }
