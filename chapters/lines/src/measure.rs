@@ -2,7 +2,9 @@
 
 use crate::film::{Film, FilmFrame};
 use crate::overlap::overlap;
+use crate::parameter::net::is_mere_end;
 use crate::parameter::whole;
+use crate::partner::Partner;
 use crate::stroke::Stroke;
 use crate::track::EventKind;
 use chiaro_basis::math::DVec2;
@@ -33,6 +35,11 @@ pub struct Measures {
     /// Share of the visible length whose material point finds its own id one frame later, no other
     /// stroke of its type nearer by 2 px; 1 where nothing has a next frame.
     pub one_to_one: f64,
+    /// Share of the visible length that is still seen one frame later: whose partner ([`Film::partners`]) is on
+    /// a stroke there. The rest is hidden, or becomes a line of another type.
+    pub still_seen: f64,
+    /// Of that, the share whose partner has its id.
+    pub one_to_one_seen: f64,
     /// Ids that appear or vanish inside the film, a frame pair.
     pub id_changes: f64,
     /// Share of stretches whose visibility votes did not agree.
@@ -58,6 +65,7 @@ pub fn measure(film: &Film) -> Measures {
     let stretches =
         film.frames.iter().fold([0u64; 2], |a, f| [a[0] + f.stretches[0], a[1] + f.stretches[1]]);
     let share = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+    let [still_seen, one_to_one_seen] = seen_again(film);
     Measures {
         frames: film.frames.len(),
         strokes: lives.len(),
@@ -66,6 +74,8 @@ pub fn measure(film: &Film) -> Measures {
         events: events(film),
         short_strokes_share: share(short as f64, strokes as f64),
         one_to_one: one_to_one(film),
+        still_seen,
+        one_to_one_seen,
         id_changes: share(lives.values().map(|l| inside(l) as f64).sum(), last as f64),
         split_share: share(stretches[1] as f64, stretches[0] as f64),
         overlap: doubled(film),
@@ -85,6 +95,8 @@ impl Measures {
             ("saddles", self.events[2] as f64),
             ("short_strokes_share", self.short_strokes_share),
             ("one_to_one_share", self.one_to_one),
+            ("still_seen_share", self.still_seen),
+            ("one_to_one_seen_share", self.one_to_one_seen),
             ("id_changes_per_frame", self.id_changes),
             ("split_stretches_share", self.split_share),
             ("overlap_share", self.overlap),
@@ -124,6 +136,39 @@ fn one_to_one(film: &Film) -> f64 {
     let sums: Vec<[f64; 2]> = pairs.map(|p| kept_between(&p[0], &p[1])).collect();
     let [found, all] = sums.iter().fold([0.0; 2], |a, s| [a[0] + s[0], a[1] + s[1]]);
     if all > 0.0 { found / all } else { 1.0 }
+}
+
+/// The share of length that is seen one frame later, and of that the share that has its id there; 1 where nothing
+/// has a next frame.
+fn seen_again(film: &Film) -> [f64; 2] {
+    let sums: Vec<[f64; 3]> = (0..film.frames.len().saturating_sub(1))
+        .into_par_iter()
+        .filter(|f| !film.frames[f + 1].begins)
+        .map(|f| seen_between(&film.frames[f], &film.frames[f + 1], &film.partners(f)))
+        .collect();
+    let add = |a: [f64; 3], s: &[f64; 3]| [a[0] + s[0], a[1] + s[1], a[2] + s[2]];
+    let [all, seen, kept] = sums.iter().fold([0.0; 3], add);
+    let share = |a: f64, b: f64| if b > 0.0 { a / b } else { 1.0 };
+    [share(seen, all), share(kept, seen)]
+}
+
+/// Length of a frame's strokes whose material point stays in the picture, of that what is seen in the next, and
+/// of that what has the same id there.
+fn seen_between(here: &FilmFrame, next: &FilmFrame, partners: &[Vec<Option<Partner>>]) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for (stroke, partners) in here.strokes.iter().zip(partners) {
+        let weight = stroke.total() / stroke.samples.len() as f64;
+        for (_, partner) in stroke.samples.iter().zip(partners).filter(|s| s.0.next_at.is_some()) {
+            sums[0] += weight;
+            let Some(partner) = partner else { continue };
+            let other = &next.strokes[partner.stroke as usize];
+            if !is_mere_end(partner, other) {
+                sums[1] += weight;
+                sums[2] += if other.id == stroke.id { weight } else { 0.0 };
+            }
+        }
+    }
+    sums
 }
 
 /// Length of a frame's strokes that finds its own id in the next, and that has a next frame at all.

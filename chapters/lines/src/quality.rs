@@ -5,7 +5,7 @@
 
 use crate::film::{Film, FilmFrame};
 use crate::parameter::near::Near;
-use crate::parameter::net::{AGREES, DEPTH, REACH, direction, material};
+use crate::parameter::net::{AGREES, DEPTH, REACH, direction, goes_on, material};
 use crate::stroke::Stroke;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -55,6 +55,7 @@ pub struct Quality {
     pub renamed: f64,
     /// Ids, a frame pair, that begin where most of their line was seen the frame before under other ids,
     /// or end where most of it is seen under others the frame after: births and deaths that are no events.
+    /// Where lines of the surface merge one of two ids ends, where one splits one begins: these are events.
     pub untrue_changes: f64,
 }
 
@@ -79,14 +80,43 @@ struct Pair {
     slides: Vec<Slide>,
     /// The longest stretch of line that turns from ink to paper or back.
     pop: f64,
-    /// For each id before and after, the length that is seen, and what of it other ids go on with.
-    handed: [BTreeMap<u32, [f64; 2]>; 2],
+    /// For each id before and after, the length that is seen.
+    seen: [BTreeMap<u32, f64>; 2],
+    /// The length that goes on, by what it goes on as.
+    flows: BTreeMap<Flow, f64>,
+}
+
+/// What goes on as what: before and after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Flow {
+    ids: [u32; 2],
+    /// Strokes, all parts of one that is parted in name being the same.
+    strokes: [u32; 2],
+    /// Lines of the surface ([`Film::line_of`]).
+    lines: [u32; 2],
+    /// Whether the line is made of edges, which neither merge nor split.
+    is_edge: bool,
+}
+
+impl Flow {
+    /// Whether it joins a line that goes on under its own id, or comes off one, on the surface and not by what
+    /// passes before it: an end, or a beginning, that is an event.
+    fn is_event(&self, flows: &BTreeMap<Self, f64>, beginning: bool) -> bool {
+        let [stroke, line] = if beginning { [0, 1] } else { [1, 0] };
+        let other = self.ids[1 - line];
+        !self.is_edge
+            && flows.keys().any(|f| {
+                f.ids == [other; 2]
+                    && f.strokes[stroke] == self.strokes[stroke]
+                    && f.lines[line] != self.lines[line]
+            })
+    }
 }
 
 /// Measures the seen strokes of a film.
 pub fn quality(film: &Film) -> Quality {
     let windows = film.frames.par_windows(2).filter(|p| !p[1].begins);
-    let pairs: Vec<Pair> = windows.map(|p| pair(&p[0], &p[1])).collect();
+    let pairs: Vec<Pair> = windows.map(|p| pair(film, [&p[0], &p[1]])).collect();
     let is_broken = |p: &&Pair| jumping(p.slides.iter(), |s| s.keeps_id) >= BROKEN;
     let broken = pairs.iter().filter(is_broken).count();
     let all = || pairs.iter().flat_map(|p| &p.slides);
@@ -108,28 +138,32 @@ pub fn quality(film: &Film) -> Quality {
     }
 }
 
-/// Ids that begin or end between two frames though their line was there before, or is there after.
+/// Ids that begin or end between two frames though their line was there before, or is there after, and neither
+/// came off another line nor joined one.
 fn untrue_changes(pairs: &[Pair]) -> usize {
-    let most = |[seen, other]: &[f64; 2]| *other > HANDED * seen;
-    let changes = |own: &BTreeMap<u32, [f64; 2]>, beside: &BTreeMap<u32, [f64; 2]>| {
-        own.iter().filter(|(id, sums)| !beside.contains_key(id) && most(sums)).count()
-    };
     let of = |p: &Pair| {
-        let [before, after] = &p.handed;
-        changes(before, after) + changes(after, before)
+        let changes = |side: usize| {
+            let ids = p.seen[side].iter().filter(|(id, _)| !p.seen[1 - side].contains_key(id));
+            let untrue = |id: u32| {
+                let own = p.flows.iter().filter(|(f, _)| f.ids[side] == id);
+                own.filter(|(f, _)| !f.is_event(&p.flows, side == 1)).map(|f| f.1).sum::<f64>()
+            };
+            ids.filter(|(id, seen)| untrue(**id) > HANDED * **seen).count()
+        };
+        changes(0) + changes(1)
     };
     pairs.iter().map(of).sum()
 }
 
 /// Sliding of every sample whose material point meets a line of its kind.
-fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
+fn pair(film: &Film, [here, next]: [&FilmFrame; 2]) -> Pair {
     let there: Vec<&Stroke> = next.strokes.iter().collect();
     let near = Near::of(there.iter().copied(), &next.view);
     let mut pair = Pair::default();
-    for (strokes, seen) in [&here.strokes, &next.strokes].into_iter().zip(&mut pair.handed) {
-        strokes.iter().for_each(|s| seen.entry(s.id).or_default()[0] += s.total());
+    for (strokes, seen) in [&here.strokes, &next.strokes].into_iter().zip(&mut pair.seen) {
+        strokes.iter().for_each(|s| *seen.entry(s.id).or_default() += s.total());
     }
-    for stroke in &here.strokes {
+    for (i, stroke) in (0..).zip(&here.strokes) {
         let weight = stroke.total() / stroke.samples.len() as f64;
         let mut run = 0.0;
         for j in 0..stroke.samples.len() {
@@ -140,7 +174,7 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
                 let other = there[hit.segment.stroke as usize];
                 // Past a cusp the line comes back over itself the other way, and what passes before
                 // a point or behind it is no place for it to be.
-                let fits = other.kind == stroke.kind
+                let fits = goes_on(stroke, j, other, hit)
                     && hit.segment.direction().dot(along) > AGREES
                     && (hit.segment.depth(hit.share) - depth).abs() < deep;
                 fits.then_some(if other.id == stroke.id { 0.0 } else { NEARER })
@@ -155,11 +189,13 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
             for period in periods.filter(|p| *p > LEAST_PERIOD) {
                 du -= (du / period).round() * period;
             }
-            if other.id != stroke.id {
-                for (ids, id) in pair.handed.iter_mut().zip([stroke.id, other.id]) {
-                    ids.entry(id).or_default()[1] += weight;
-                }
-            }
+            let flow = Flow {
+                ids: [stroke.id, other.id],
+                strokes: [whole(stroke, i), whole(other, hit.segment.stroke)],
+                lines: [film.line_of(here, stroke), film.line_of(next, other)],
+                is_edge: stroke.kind.is_edge(),
+            };
+            *pair.flows.entry(flow).or_default() += weight;
             let scale = 0.5 * (stroke.pixels_per_u + other.pixels_per_u);
             pair.slides.push(Slide {
                 pixels: scale * du.abs(),
@@ -174,6 +210,11 @@ fn pair(here: &FilmFrame, next: &FilmFrame) -> Pair {
         }
     }
     pair
+}
+
+/// A number for a stroke of a frame that the parts of one line share.
+fn whole(stroke: &Stroke, index: u32) -> u32 {
+    stroke.part.map_or(2 * index, |(line, _)| 2 * line + 1)
 }
 
 /// L du / ds and ds of each segment.
@@ -226,5 +267,34 @@ impl Quality {
             ("renamed_share", self.renamed),
             ("untrue_id_changes_per_frame", self.untrue_changes),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merges_and_splits_are_events_and_other_names_are_none() {
+        let flow = |ids, strokes, lines| Flow { ids, strokes, lines, is_edge: false };
+        let seen = |ids: &[u32]| ids.iter().map(|id| (*id, 30.0)).collect::<BTreeMap<_, _>>();
+        let pair = |before: &[u32], after: &[u32], flows: &[Flow]| Pair {
+            seen: [seen(before), seen(after)],
+            flows: flows.iter().map(|f| (*f, 30.0)).collect(),
+            ..Pair::default()
+        };
+        // Two lines of the surface become one: one of two ids must end.
+        let merge = [flow([1, 1], [0, 0], [5, 5]), flow([2, 1], [2, 0], [6, 5])];
+        assert_eq!(untrue_changes(&[pair(&[1, 2], &[1], &merge)]), 0);
+        // One becomes two.
+        let split = [flow([1, 1], [0, 0], [5, 5]), flow([1, 2], [0, 2], [5, 6])];
+        assert_eq!(untrue_changes(&[pair(&[1], &[1, 2], &split)]), 0);
+        // One line of the surface that something passes before, and one that is named anew.
+        let parted = split.map(|f| Flow { lines: [5, 5], ..f });
+        assert_eq!(untrue_changes(&[pair(&[1], &[1, 2], &parted)]), 1);
+        assert_eq!(untrue_changes(&[pair(&[1], &[2], &[flow([1, 2], [0, 0], [5, 5])])]), 2);
+        // Edges of the mesh neither merge nor split.
+        let edges = merge.map(|f| Flow { is_edge: true, ..f });
+        assert_eq!(untrue_changes(&[pair(&[1, 2], &[1], &edges)]), 1);
     }
 }

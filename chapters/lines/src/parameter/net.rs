@@ -243,10 +243,14 @@ impl Found {
 
 /// Whether a partner along S is near enough, and no mere end of its line.
 fn meets(partner: &Partner, there: &[&Stroke]) -> bool {
-    let stroke = there[partner.stroke as usize];
+    partner.distance <= REACH && !is_mere_end(partner, there[partner.stroke as usize])
+}
+
+/// Whether a partner is only the last of a line that ends before what the sample becomes.
+pub(crate) fn is_mere_end(partner: &Partner, stroke: &Stroke) -> bool {
     let last = partner.segment as usize + 2 == stroke.samples.len();
     let at_end = (partner.share <= 0.0 && partner.segment == 0) || (partner.share >= 1.0 && last);
-    partner.distance <= if at_end && !stroke.closed { END_MEETS_END } else { REACH }
+    at_end && !stroke.closed && partner.distance > END_MEETS_END
 }
 
 /// Half the length of the segments beside a sample.
@@ -287,6 +291,16 @@ pub(crate) fn direction(stroke: &Stroke, j: usize) -> DVec2 {
     moved.filter(|d| *d != DVec2::ZERO).unwrap_or((s[b].at - s[a].at).normalize_or_zero())
 }
 
+/// Whether a sample may go on at a place of the next frame: on a line of its kind, and if that is of edges of
+/// the mesh, on the same edges, whatever else runs beside them.
+pub(crate) fn goes_on(stroke: &Stroke, j: usize, other: &Stroke, hit: &Hit) -> bool {
+    let first = hit.segment.first as usize;
+    let ends = [first, (first + 1) % other.samples.len()];
+    let own = stroke.samples[j].chain;
+    other.kind == stroke.kind
+        && (!stroke.kind.is_edge() || ends.iter().any(|k| other.samples[*k].chain == own))
+}
+
 /// The place where a sample's material point meets a line of the next frame.
 pub(crate) fn landing(
     stroke: &Stroke,
@@ -304,10 +318,57 @@ pub(crate) fn landing(
     };
     near.nearest(at, REACH, |hit| {
         let other = there[hit.segment.stroke as usize];
-        let fits = other.kind == stroke.kind
+        let fits = goes_on(stroke, j, other, hit)
             && hit.segment.direction().dot(along) > AGREES
             && (hit.segment.depth(hit.share) - depth).abs() < reach;
         fits.then_some(if other.id == stroke.id { 0.0 } else { OTHER_ID })
     })
     .filter(|hit| hit.beyond == 0.0 || (!stroke.closed && is_end(hit)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Kind;
+    use crate::stroke::Sample;
+    use crate::surface::NONE;
+    use crate::view::View;
+    use chiaro_basis::math::{DVec3, Vec3};
+
+    /// A level line of edges.
+    fn level(chain: u32, y: f64) -> Stroke {
+        let sample = |k: u32| Sample {
+            at: DVec2::new(3.0 * f64::from(k), y),
+            depth: 1.0,
+            world: DVec3::ZERO,
+            next_world: None,
+            next_at: None,
+            chain,
+            on_chain: f64::from(k),
+            normal: DVec3::Z,
+            faces: [NONE; 2],
+        };
+        Stroke { chain, ..Stroke::through(Kind::Crease, false, (0..10).map(sample).collect()) }
+    }
+
+    #[test]
+    fn edges_go_on_as_themselves_whatever_is_nearer() {
+        let projection = chiaro_scene::Projection::Orthographic { half_height: 1.0 };
+        let pose = chiaro_scene::Pose::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, projection);
+        let view = View::new(pose, (64, 64));
+        let there = [level(7, 11.0), level(3, 12.0)];
+        let near = Near::of(there.iter(), &view);
+        let own = level(3, 10.0);
+        let hit = near.nearest(own.samples[4].at, REACH, |hit| {
+            goes_on(&own, 4, &there[hit.segment.stroke as usize], hit).then_some(0.0)
+        });
+        assert_eq!(hit.map(|h| h.segment.stroke), Some(1));
+        // Outlines are told by place alone: their chains are others in every frame.
+        let outline = |s: &Stroke| Stroke { kind: Kind::Silhouette, ..s.clone() };
+        let (own, there) = (outline(&own), there.each_ref().map(outline));
+        let hit = near.nearest(own.samples[4].at, REACH, |hit| {
+            goes_on(&own, 4, &there[hit.segment.stroke as usize], hit).then_some(0.0)
+        });
+        assert_eq!(hit.map(|h| h.segment.stroke), Some(0));
+    }
 }
