@@ -83,7 +83,7 @@ fn compare(coarse: &Film, fine: &Film) -> Errors {
     let mut errors = Errors::default();
     for (c, f) in coarse.frames.iter().zip(&fine.frames) {
         let (near_c, near_f) = (Near::of(c), Near::of(f));
-        errors.visible += f.strokes.iter().map(Stroke::total).sum::<f64>();
+        errors.visible += silhouettes(&f.strokes).map(Stroke::total).sum::<f64>();
         let [wrong, apart] = unmatched(&f.strokes, &near_c);
         errors.hidden += wrong;
         errors.apart += apart;
@@ -101,10 +101,15 @@ fn compare(coarse: &Film, fine: &Film) -> Errors {
     }
 }
 
-/// Length of strokes that have near them only hidden lines of the other surface, and none at all.
+/// Those strokes that are compared: lines where pieces meet hide silhouettes, and so are found too.
+fn silhouettes(strokes: &[Stroke]) -> impl Iterator<Item = &Stroke> {
+    strokes.iter().filter(|s| s.kind == Kind::Silhouette)
+}
+
+/// Length of silhouettes that have near them only hidden lines of the other surface, and none at all.
 fn unmatched(strokes: &[Stroke], other: &Near) -> [f64; 2] {
     let mut sums = [0.0; 2];
-    for stroke in strokes {
+    for stroke in silhouettes(strokes) {
         let weight = stroke.total() / stroke.samples.len() as f64;
         for s in &stroke.samples {
             match other.at(s.at, s.depth) {
@@ -125,7 +130,7 @@ fn flickers(film: &Film) -> f64 {
         if three[1].begins || three[2].begins {
             continue;
         }
-        for stroke in &three[0].strokes {
+        for stroke in silhouettes(&three[0].strokes) {
             let weight = stroke.total() / stroke.samples.len() as f64;
             for s in &stroke.samples {
                 length += weight;
@@ -156,10 +161,7 @@ struct Near {
 impl Near {
     fn of(frame: &FilmFrame) -> Self {
         let mut cells: HashMap<[i32; 2], Vec<(DVec2, f64, bool)>> = HashMap::new();
-        for stroke in frame.strokes.iter().chain(&frame.hidden) {
-            if stroke.kind != Kind::Silhouette {
-                continue;
-            }
+        for stroke in [&frame.strokes, &frame.hidden].into_iter().flat_map(|s| silhouettes(s)) {
             for s in &stroke.samples {
                 cells.entry(cell(s.at)).or_default().push((s.at, s.depth, stroke.visible));
             }
@@ -187,4 +189,65 @@ impl Near {
 fn cell(at: DVec2) -> [i32; 2] {
     let c = (at / NEAR).floor();
     [c.x as i32, c.y as i32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::slice::Slice;
+    use crate::surface::NONE;
+    use crate::track::Interval;
+    use crate::view::View;
+    use chiaro_basis::math::{DVec3, Vec3};
+
+    /// A level line across the picture.
+    fn level(kind: Kind, y: f64, visible: bool) -> Stroke {
+        let sample = |k: u32| Sample {
+            at: DVec2::new(f64::from(k), y),
+            depth: 1.0,
+            world: DVec3::ZERO,
+            next_world: None,
+            next_at: None,
+            chain: 0,
+            on_chain: f64::from(k),
+            normal: DVec3::Z,
+            faces: [NONE; 2],
+        };
+        let line = Stroke::through(kind, false, (0..101).map(sample).collect());
+        Stroke { visible, ..line }
+    }
+
+    fn film(strokes: Vec<Stroke>) -> Film {
+        let projection = chiaro_scene::Projection::Orthographic { half_height: 1.0 };
+        let pose = chiaro_scene::Pose::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, projection);
+        let (strokes, hidden) = strokes.into_iter().partition(|s| s.visible);
+        let frame = FilmFrame {
+            view: View::new(pose, (100, 100)),
+            slice: Slice::default(),
+            labels: Vec::new(),
+            interval: Interval::default(),
+            begins: true,
+            further: Vec::new(),
+            strokes,
+            hidden,
+            stretches: [0; 2],
+        };
+        Film { frames: vec![frame], ..Film::default() }
+    }
+
+    #[test]
+    fn silhouettes_alone_are_compared() {
+        let seen = level(Kind::Silhouette, 20.0, true);
+        // Something meets something beside a silhouette that is hidden on both surfaces.
+        let meeting = level(Kind::Intersection, 40.0, true);
+        let behind = level(Kind::Silhouette, 40.5, false);
+        let both = film(vec![seen.clone(), meeting, behind.clone()]);
+        let errors = compare(&both, &both);
+        assert_eq!((errors.visible, errors.hidden, errors.shown), (100.0, 0.0, 0.0));
+        assert_eq!(errors.apart, 0.0);
+        // What is shown on one of them alone is an error.
+        let shown = Stroke { visible: true, ..behind.clone() };
+        let errors = compare(&film(vec![seen.clone(), shown]), &film(vec![seen, behind]));
+        assert!(errors.hidden == 0.0 && (errors.shown - 1.0).abs() < 1e-9, "{errors:?}");
+    }
 }
