@@ -3,6 +3,8 @@
 //! Pixels to a thousandth, y down; world coordinates as they round to seven digits. The first sample
 //! of a closed stroke is not repeated. `partner` is the correspondence along S of each sample: index of
 //! a stroke of the next frame, of a sample of it, and the share of the way from that to the one after.
+//! `u_period` is u once round a closed stroke, else null; `repeats` is after how much of u the texture begins
+//! anew, on parts of lines that close too.
 
 use super::ready::{Names, subject};
 use super::style::{LineStyle, brush_settings};
@@ -127,6 +129,8 @@ fn stroke(text: &mut String, s: &Stroke, partners: &[Option<Partner>], brush: us
     text.push_str(",\"part_of\":");
     option(text, s.part, |t, (line, _)| _ = write!(t, "{line}"));
     text.push_str(",\"u_period\":");
+    option(text, s.u_period.filter(|_| s.closed), parameter);
+    text.push_str(",\"repeats\":");
     option(text, s.begins_anew(), parameter);
     text.push_str(",\"next\":[");
     join(text, s.samples.iter(), |t, p| option(t, p.next_at, point));
@@ -192,4 +196,25 @@ fn parameter(text: &mut String, u: f64) {
 /// As many digits as single precision holds.
 fn float(text: &mut String, x: f64) {
     let _ = write!(text, "{}", x as f32);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn open_strokes_have_no_period_but_may_repeat() {
+        let written = |s: &Stroke| {
+            let mut text = String::new();
+            stroke(&mut text, s, &[], 0);
+            serde_json::from_str::<Value>(&text).unwrap()
+        };
+        let open =
+            Stroke { repeats: Some(2.0), ..Stroke::through(Kind::Crease, false, Vec::new()) };
+        let value = written(&open);
+        assert_eq!((&value["u_period"], &value["repeats"]), (&Value::Null, &json!(2)));
+        let closed = Stroke { closed: true, u_period: Some(2.0), repeats: None, ..open };
+        let value = written(&closed);
+        assert_eq!((&value["u_period"], &value["repeats"]), (&json!(2), &json!(2)));
+    }
 }
