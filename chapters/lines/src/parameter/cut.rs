@@ -10,7 +10,7 @@
 //! What is left agrees, so that plain least squares at any weight has no reason to fold.
 //!
 //! Parts of the film that nothing joins go their own ways: a scale at which all of a part's links would be
-//! trusted is left out, and a part that is as it was before others were cut keeps its parameters.
+//! trusted is left out, and a part whose links agreed keeps its parameters when others are cut.
 
 use super::energy::{Energy, Factors, Weights};
 use super::failed;
@@ -71,7 +71,8 @@ impl Robust<'_> {
         let stiff = vec![1.0; energy.stretches.len()];
         let weights = Weights { projection: STIFF, ..self.weights };
         let mut u = guess(net, scale, period);
-        let done = before.map(|(e, kept)| energy.unchanged(e, &kept.u, &mut u));
+        let done = before
+            .map(|(e, kept)| energy.unchanged(e, (&kept.u, &kept.residual), self.sigma, &mut u));
         let done = done.unwrap_or_else(|| vec![false; energy.parts()]);
         let mut wraps = wraps(net, energy, period, &u);
         let left = |u: &[f64], wraps: &[f64]| -> Vec<f64> {

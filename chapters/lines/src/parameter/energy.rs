@@ -181,11 +181,20 @@ impl Energy {
             .map(move |r| *r as usize - first)
     }
 
-    /// Copies the parameters of parts whose rows are as they were `before`, and says which they are.
-    pub(crate) fn unchanged(&self, before: &Self, then: &[f64], u: &mut [f64]) -> Vec<bool> {
+    /// Copies the parameters of parts whose rows are as they were `before` and whose links agreed `then` by
+    /// their residuals, and says which they are.
+    pub(crate) fn unchanged(
+        &self,
+        before: &Self,
+        then: (&[f64], &[f64]),
+        most: f64,
+        u: &mut [f64],
+    ) -> Vec<bool> {
+        let (then, residual) = then;
         let copied = |part: usize| {
-            let old = self.normal.same_before(part).filter(|old| self.is(part, before, *old));
-            let Some(old) = old else { return false };
+            let agreed = |old: &usize| before.links_of(*old).all(|i| residual[i].abs() <= most);
+            let old = self.normal.same_before(part).filter(agreed);
+            let Some(old) = old.filter(|old| self.is(part, before, *old)) else { return false };
             let unknowns = self.normal.unknowns_of(part).iter();
             for (k, old) in unknowns.zip(before.normal.unknowns_of(old)) {
                 u[*k as usize] = then[*old as usize];
