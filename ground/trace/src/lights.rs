@@ -17,7 +17,7 @@ use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
 
 /// Everything that lights a frame.
@@ -47,11 +47,15 @@ const ALL_LAMPS: usize = 4;
 
 /// Points of which one is chosen where what shines is scattered or near.
 const OFFERS: usize = 8;
+/// How many times what a source can give their mean may say: less, and light near lamps is lost; more, and it specks.
+const MOST: f32 = 2.0;
 
 /// Unshadowed irradiance and the ray that must be free for it.
 struct Candidate {
     irradiance: [f32; 3],
     ray: Ray,
+    /// The luminance of the irradiance that its source cannot exceed: pi times its radiance.
+    most: f32,
 }
 
 impl Candidate {
@@ -138,7 +142,8 @@ impl Lights {
     /// A point of what shines, and the weight of its light. Where that is scattered or near, the point is one of
     /// several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
     /// without, the lamps of a room are rarely found among those of others, and the few points beside a
-    /// surface under a lamp would give it nearly all of its light.
+    /// surface under a lamp would give it nearly all of its light. Nearer than a fifth of a lamp's extent too
+    /// little is found: the mean of the points is not let far over what the lamp can give.
     fn glow_choice(
         &self,
         tracer: &Tracer,
@@ -159,7 +164,9 @@ impl Lights {
             let offer = self.glow_candidate(tracer, surfaces, at, point, shared);
             offer.into_iter().for_each(|c| chosen.offer(c));
         }
-        let weight = chosen.weight() / OFFERS as f32;
+        // The mean of the points may say far more than any source can give.
+        let most = chosen.kept.as_ref().map_or(0.0, |c| MOST * c.most / chosen.kept_value);
+        let weight = (chosen.weight() / OFFERS as f32).min(most);
         (chosen.kept, weight)
     }
 
@@ -193,7 +200,8 @@ impl Lights {
         } else {
             triangle.radiance
         };
-        Some(Candidate { irradiance: radiance.map(|l| l * factor), ray })
+        let most = PI * luminance(radiance);
+        Some(Candidate { irradiance: radiance.map(|l| l * factor), ray, most })
     }
 
     fn sky_candidate(&self, at: &Vertex, numbers: [f32; 2], shared: bool) -> Option<Candidate> {
@@ -205,7 +213,7 @@ impl Lights {
         let ray = at.ray_along(s.towards, f32::INFINITY)?;
         let other = if shared { cosine * FRAC_1_PI } else { 0.0 };
         let factor = cosine / (s.density + other);
-        Some(Candidate { irradiance: s.radiance.map(|l| l * factor), ray })
+        Some(Candidate { irradiance: s.radiance.map(|l| l * factor), ray, most: f32::INFINITY })
     }
 
     /// The weight of emission met by a ray of cosine density, `cosine` at its start.
@@ -235,7 +243,8 @@ fn from_lamp(lamp: &Lamp, at: &Vertex) -> Option<Candidate> {
         Some(_) => at.ray_to(lamp.position)?,
         None => at.ray_along(arrival.towards, arrival.distance)?,
     };
-    Some(Candidate { irradiance: lamp.colour.map(|c| c * arrival.strength * cosine), ray })
+    let irradiance = lamp.colour.map(|c| c * arrival.strength * cosine);
+    Some(Candidate { irradiance, ray, most: f32::INFINITY })
 }
 
 /// The unshadowed irradiance from a lamp, and the ray that must be free for it.
