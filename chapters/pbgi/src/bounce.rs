@@ -146,7 +146,7 @@ mod tests {
     fn single_surfels_of_a_corner_are_smoothed_on_their_own_wall_and_side() {
         let surfel = |i: u64| {
             let [u, v] = r2(i / 2);
-            let (position, normal) = if i % 2 == 0 {
+            let (position, normal) = if i.is_multiple_of(2) {
                 (vec3(u, 0.0, v), vec3(0.0, 1.0, 0.0))
             } else {
                 (vec3(u, v, 0.0), vec3(0.0, 0.0, 1.0))
