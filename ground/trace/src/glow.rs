@@ -292,6 +292,38 @@ impl GlowTriangle {
         (power > 0.0 && power.is_finite()).then_some(triangle)
     }
 
+    /// Irradiance over radiance at a point, nothing in between: the triangle above the horizon of `normal`
+    /// (Lambert's formula).
+    pub fn form_factor(&self, point: Vec3, normal: Vec3) -> f32 {
+        if !self.two_sided && self.normal.dot(point - self.corners[0]) <= 0.0 {
+            return 0.0;
+        }
+        let mut above = [Vec3::ZERO; 4];
+        let mut count = 0;
+        let mut keep = |p: Vec3| {
+            above[count.min(3)] = p.normalize_or_zero();
+            count += 1;
+        };
+        let corners = self.corners.map(|p| p - point);
+        let heights = corners.map(|p| p.dot(normal));
+        for i in 0..3 {
+            let (j, here, next) = ((i + 1) % 3, heights[i], heights[(i + 1) % 3]);
+            if here > 0.0 {
+                keep(corners[i]);
+            }
+            if (here > 0.0) != (next > 0.0) {
+                keep(corners[i] + (corners[j] - corners[i]) * (here / (here - next)));
+            }
+        }
+        let edge = |i: usize| {
+            let (p, q) = (above[i], above[(i + 1) % count]);
+            let cross = p.cross(q);
+            let sine = cross.length();
+            if sine > 0.0 { sine.atan2(p.dot(q)) * cross.dot(normal) / sine } else { 0.0 }
+        };
+        0.5 * (0..count).map(edge).sum::<f32>().abs()
+    }
+
     fn power(&self) -> f64 {
         let sides = if self.two_sided { 2.0 } else { 1.0 };
         sides * f64::from(luminance(self.radiance)) * f64::from(self.area)

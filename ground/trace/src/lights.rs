@@ -17,7 +17,7 @@ use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// Everything that lights a frame.
@@ -47,15 +47,15 @@ const ALL_LAMPS: usize = 4;
 
 /// Points of which one is chosen where what shines is scattered or near.
 const OFFERS: usize = 8;
-/// How many times what a source can give their mean may say: less, and light near lamps is lost; more, and it specks.
-const MOST: f32 = 2.0;
+/// Squared distance of a shining triangle's middle over its area below which it is large.
+const LARGE: f32 = 16.0;
 
 /// Unshadowed irradiance and the ray that must be free for it.
 struct Candidate {
     irradiance: [f32; 3],
     ray: Ray,
-    /// The luminance of the irradiance that its source cannot exceed: pi times its radiance.
-    most: f32,
+    /// The luminance of its irradiance, by a closed form where its source is large.
+    whole: f32,
 }
 
 impl Candidate {
@@ -142,8 +142,8 @@ impl Lights {
     /// A point of what shines, and the weight of its light. Where that is scattered or near, the point is one of
     /// several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
     /// without, the lamps of a room are rarely found among those of others, and the few points beside a
-    /// surface under a lamp would give it nearly all of its light. Nearer than a fifth of a lamp's extent too
-    /// little is found: the mean of the points is not let far over what the lamp can give.
+    /// surface under a lamp would give it nearly all of its light. What a near triangle gives is told by its closed
+    /// form, and the point says how much of it is seen (Heitz et al. 2018): no sample says more than the lamp can give.
     fn glow_choice(
         &self,
         tracer: &Tracer,
@@ -155,6 +155,7 @@ impl Lights {
         if !self.glow.is_uneven_from(at.position) {
             return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
         }
+        let mut whole = 0.0;
         let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
         let [choice, u, v] = numbers.glow;
         for i in 0..OFFERS {
@@ -162,11 +163,11 @@ impl Lights {
             let [du, dv] = random::r2(i as u64);
             let point = [part, (u + du).fract(), (v + dv).fract()];
             let offer = self.glow_candidate(tracer, surfaces, at, point, shared);
+            whole += offer.as_ref().map_or(0.0, |c| c.whole);
             offer.into_iter().for_each(|c| chosen.offer(c));
         }
-        // The mean of the points may say far more than any source can give.
-        let most = chosen.kept.as_ref().map_or(0.0, |c| MOST * c.most / chosen.kept_value);
-        let weight = (chosen.weight() / OFFERS as f32).min(most);
+        let mean = whole / OFFERS as f32;
+        let weight = if chosen.kept_value > 0.0 { mean / chosen.kept_value } else { 0.0 };
         (chosen.kept, weight)
     }
 
@@ -190,18 +191,24 @@ impl Lights {
         }
         let ray = at.ray_to(point.position)?;
         let density = point.density * distance * distance / outward;
-        let mut factor = cosine / density;
-        if shared {
-            factor = cosine / (density + cosine * FRAC_1_PI);
-        }
+        let middle = triangle.corners.iter().sum::<Vec3>() / 3.0;
+        let large = !shared && middle.distance_squared(at.position) < LARGE * triangle.area;
+        let factor = match shared {
+            true => cosine / (density + cosine * FRAC_1_PI),
+            false => cosine / density,
+        };
+        let whole = match large {
+            true => triangle.form_factor(at.position, at.normal) / (point.density * triangle.area),
+            false => factor,
+        };
         let hit = Hit { t: 0.0, object: triangle.object, face: triangle.face, b: point.b };
         let radiance = if triangle.textured {
             surfaces.emission(tracer, &hit, 0.0)
         } else {
             triangle.radiance
         };
-        let most = PI * luminance(radiance);
-        Some(Candidate { irradiance: radiance.map(|l| l * factor), ray, most })
+        let whole = whole * luminance(radiance);
+        Some(Candidate { irradiance: radiance.map(|l| l * factor), ray, whole })
     }
 
     fn sky_candidate(&self, at: &Vertex, numbers: [f32; 2], shared: bool) -> Option<Candidate> {
@@ -213,7 +220,7 @@ impl Lights {
         let ray = at.ray_along(s.towards, f32::INFINITY)?;
         let other = if shared { cosine * FRAC_1_PI } else { 0.0 };
         let factor = cosine / (s.density + other);
-        Some(Candidate { irradiance: s.radiance.map(|l| l * factor), ray, most: f32::INFINITY })
+        Some(Candidate { irradiance: s.radiance.map(|l| l * factor), ray, whole: 0.0 })
     }
 
     /// The weight of emission met by a ray of cosine density, `cosine` at its start.
@@ -244,7 +251,7 @@ fn from_lamp(lamp: &Lamp, at: &Vertex) -> Option<Candidate> {
         None => at.ray_along(arrival.towards, arrival.distance)?,
     };
     let irradiance = lamp.colour.map(|c| c * arrival.strength * cosine);
-    Some(Candidate { irradiance, ray, most: f32::INFINITY })
+    Some(Candidate { irradiance, ray, whole: 0.0 })
 }
 
 /// The unshadowed irradiance from a lamp, and the ray that must be free for it.

@@ -29,7 +29,7 @@ fn lamps_give_their_closed_form_near_by_too() {
     let middle = corners().sum::<Vec3>() / corners().count() as f32;
     let extent = triangles.iter().map(|t| t.area).sum::<f32>().sqrt();
     let outward = triangles[0].normal;
-    for distance in [0.2, 0.4, 1.0, 1.5] {
+    for distance in [0.02, 0.05, 0.2, 0.4, 1.0, 1.5] {
         let position = middle + distance * extent * outward;
         let normal = -outward;
         let at = Vertex {
