@@ -26,9 +26,6 @@ pub struct Glow {
     /// Power in lumens per pi: radiance's luminance times area, both sides counted.
     power: f64,
     scattered: bool,
-    /// The middle of all that shines, and how far from it a point is near.
-    middle: Vec3,
-    near: f32,
 }
 
 /// A shining triangle in world space.
@@ -68,8 +65,6 @@ pub struct GlowPoint {
 /// Shining area, over the square of its extent, below which it is scattered: a panel has a half, a tube
 /// thirty times as long as thick a tenth.
 const SPARSE: f32 = 0.05;
-/// Radii of what shines within which a point is near.
-const NEAR: f32 = 2.0;
 /// Pieces of a cluster.
 const PIECES: usize = 32;
 
@@ -144,19 +139,13 @@ impl Glow {
         let bounds = Bounds::of(triangles.iter().flat_map(|t| t.corners));
         let area: f32 = triangles.iter().map(|t| t.area).sum();
         let scattered = area < SPARSE * (2.0 * bounds.radius()).powi(2);
-        let (middle, near) = (bounds.centre(), NEAR * bounds.radius());
-        Self { triangles, cumulative, power, scattered, middle, near }
+        Self { triangles, cumulative, power, scattered }
     }
 
     /// Whether what shines stands apart, as the lamps of several rooms do, and is no single panel or bulb:
     /// its area is small for its extent.
     pub fn is_scattered(&self) -> bool {
         self.scattered
-    }
-
-    /// Whether its points differ much in what they give to a point: they are scattered, or near.
-    pub fn is_uneven_from(&self, point: Vec3) -> bool {
-        self.scattered || point.distance_squared(self.middle) < self.near * self.near
     }
 
     /// The triangles.
@@ -290,38 +279,6 @@ impl GlowTriangle {
         };
         let power = triangle.power();
         (power > 0.0 && power.is_finite()).then_some(triangle)
-    }
-
-    /// Irradiance over radiance at a point, nothing in between: the triangle above the horizon of `normal`
-    /// (Lambert's formula).
-    pub fn form_factor(&self, point: Vec3, normal: Vec3) -> f32 {
-        if !self.two_sided && self.normal.dot(point - self.corners[0]) <= 0.0 {
-            return 0.0;
-        }
-        let mut above = [Vec3::ZERO; 4];
-        let mut count = 0;
-        let mut keep = |p: Vec3| {
-            above[count.min(3)] = p.normalize_or_zero();
-            count += 1;
-        };
-        let corners = self.corners.map(|p| p - point);
-        let heights = corners.map(|p| p.dot(normal));
-        for i in 0..3 {
-            let (j, here, next) = ((i + 1) % 3, heights[i], heights[(i + 1) % 3]);
-            if here > 0.0 {
-                keep(corners[i]);
-            }
-            if (here > 0.0) != (next > 0.0) {
-                keep(corners[i] + (corners[j] - corners[i]) * (here / (here - next)));
-            }
-        }
-        let edge = |i: usize| {
-            let (p, q) = (above[i], above[(i + 1) % count]);
-            let cross = p.cross(q);
-            let sine = cross.length();
-            if sine > 0.0 { sine.atan2(p.dot(q)) * cross.dot(normal) / sine } else { 0.0 }
-        };
-        0.5 * (0..count).map(edge).sum::<f32>().abs()
     }
 
     fn power(&self) -> f64 {

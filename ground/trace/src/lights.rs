@@ -17,7 +17,7 @@ use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
 
 /// Everything that lights a frame.
@@ -45,17 +45,13 @@ pub struct LightNumbers {
 /// Lamps up to this number are all visited; of more, one is chosen.
 const ALL_LAMPS: usize = 4;
 
-/// Points of which one is chosen where what shines is scattered or near.
+/// Points of which one is chosen where what shines is scattered.
 const OFFERS: usize = 8;
-/// Squared distance of a shining triangle's middle over its area below which it is large.
-const LARGE: f32 = 16.0;
 
 /// Unshadowed irradiance and the ray that must be free for it.
 struct Candidate {
     irradiance: [f32; 3],
     ray: Ray,
-    /// The luminance of its irradiance, by a closed form where its source is large.
-    whole: f32,
 }
 
 impl Candidate {
@@ -139,11 +135,9 @@ impl Lights {
         }
     }
 
-    /// A point of what shines, and the weight of its light. Where that is scattered or near, the point is one of
+    /// A point of what shines, and the weight of its light. Where that is scattered, the point is one of
     /// several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
-    /// without, the lamps of a room are rarely found among those of others, and the few points beside a
-    /// surface under a lamp would give it nearly all of its light. What a near triangle gives is told by its closed
-    /// form, and the point says how much of it is seen (Heitz et al. 2018): no sample says more than the lamp can give.
+    /// without, the lamps of a room are rarely found among those of others.
     fn glow_choice(
         &self,
         tracer: &Tracer,
@@ -152,10 +146,9 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> (Option<Candidate>, f32) {
-        if !self.glow.is_uneven_from(at.position) {
+        if !self.glow.is_scattered() {
             return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
         }
-        let mut whole = 0.0;
         let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
         let [choice, u, v] = numbers.glow;
         for i in 0..OFFERS {
@@ -163,11 +156,9 @@ impl Lights {
             let [du, dv] = random::r2(i as u64);
             let point = [part, (u + du).fract(), (v + dv).fract()];
             let offer = self.glow_candidate(tracer, surfaces, at, point, shared);
-            whole += offer.as_ref().map_or(0.0, |c| c.whole);
             offer.into_iter().for_each(|c| chosen.offer(c));
         }
-        let mean = whole / OFFERS as f32;
-        let weight = if chosen.kept_value > 0.0 { mean / chosen.kept_value } else { 0.0 };
+        let weight = chosen.weight() / OFFERS as f32;
         (chosen.kept, weight)
     }
 
@@ -191,24 +182,18 @@ impl Lights {
         }
         let ray = at.ray_to(point.position)?;
         let density = point.density * distance * distance / outward;
-        let middle = triangle.corners.iter().sum::<Vec3>() / 3.0;
-        let large = !shared && middle.distance_squared(at.position) < LARGE * triangle.area;
-        let factor = match shared {
-            true => cosine / (density + cosine * FRAC_1_PI),
-            false => cosine / density,
-        };
-        let whole = match large {
-            true => triangle.form_factor(at.position, at.normal) / (point.density * triangle.area),
-            false => factor,
-        };
+        // No light source gives more than pi times its radiance.
+        let mut factor = (cosine / density).min(PI);
+        if shared {
+            factor = cosine / (density + cosine * FRAC_1_PI);
+        }
         let hit = Hit { t: 0.0, object: triangle.object, face: triangle.face, b: point.b };
         let radiance = if triangle.textured {
             surfaces.emission(tracer, &hit, 0.0)
         } else {
             triangle.radiance
         };
-        let whole = whole * luminance(radiance);
-        Some(Candidate { irradiance: radiance.map(|l| l * factor), ray, whole })
+        Some(Candidate { irradiance: radiance.map(|l| l * factor), ray })
     }
 
     fn sky_candidate(&self, at: &Vertex, numbers: [f32; 2], shared: bool) -> Option<Candidate> {
@@ -220,7 +205,7 @@ impl Lights {
         let ray = at.ray_along(s.towards, f32::INFINITY)?;
         let other = if shared { cosine * FRAC_1_PI } else { 0.0 };
         let factor = cosine / (s.density + other);
-        Some(Candidate { irradiance: s.radiance.map(|l| l * factor), ray, whole: 0.0 })
+        Some(Candidate { irradiance: s.radiance.map(|l| l * factor), ray })
     }
 
     /// The weight of emission met by a ray of cosine density, `cosine` at its start.
@@ -250,8 +235,7 @@ fn from_lamp(lamp: &Lamp, at: &Vertex) -> Option<Candidate> {
         Some(_) => at.ray_to(lamp.position)?,
         None => at.ray_along(arrival.towards, arrival.distance)?,
     };
-    let irradiance = lamp.colour.map(|c| c * arrival.strength * cosine);
-    Some(Candidate { irradiance, ray, whole: 0.0 })
+    Some(Candidate { irradiance: lamp.colour.map(|c| c * arrival.strength * cosine), ray })
 }
 
 /// The unshadowed irradiance from a lamp, and the ray that must be free for it.
