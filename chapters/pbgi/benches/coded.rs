@@ -6,15 +6,16 @@
 
 #![allow(clippy::print_stdout)]
 
-use chiaro_basis::math::Vec3;
+mod common;
+
 use chiaro_basis::{Result, Run};
 use chiaro_pbgi::code::Recipe;
 use chiaro_pbgi::cut::Chooser;
 use chiaro_pbgi::packed::{Packed, Record};
 use chiaro_pbgi::{Hierarchy, LightKnobs, Lit, Prepared, Spread, indirect, prepare, sites, stream};
-use chiaro_scene::{Poser, Scene, demo};
+use chiaro_scene::{Frame, Scene, demo};
 use chiaro_trace::view::Framing;
-use chiaro_trace::{GBuffer, Glow, Lamp, Lights, Surfaces, Tracer, Vertex, daylight};
+use chiaro_trace::{GBuffer, Tracer, Vertex};
 use std::time::Instant;
 
 const SURFELS: usize = 100_000;
@@ -44,34 +45,26 @@ fn main() {
 }
 
 fn measure(name: &str, scene: &Scene) -> Result<()> {
+    common::lit(scene, |frame, lit| measure_lit(name, scene, frame, lit))
+}
+
+fn measure_lit(name: &str, scene: &Scene, frame: &Frame, lit: Lit) -> Result<()> {
     let run = Run::default();
-    let (playback, _) = scene.playback(&Default::default())?;
-    let frame = Poser::new(scene).frame(0.0, &playback);
-    let tracer = Tracer::new(scene, &frame);
-    let surfaces = Surfaces::new(scene);
-    let mut lights = Lights {
-        lamps: Lamp::of_frame(&frame),
-        glow: Glow::of(&tracer, &surfaces),
-        ..Lights::default()
-    };
-    if lights.is_empty() {
-        lights.lamps = vec![daylight(Vec3::new(0.4, 0.8, 0.3).normalize()).0];
-    }
-    let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
+    let Lit { tracer, surfaces, .. } = lit;
     let knobs = LightKnobs { surfels: SURFELS as u32, bounces: 1, ..LightKnobs::default() };
-    let cube = stream::cube(&lit, &Spread::of(scene, &frame, SURFELS as u64));
-    let of = |count| prepare(lit, &sites(scene, &frame, count), &knobs, &run);
+    let cube = stream::cube(&lit, &Spread::of(scene, frame, SURFELS as u64));
+    let of = |count| prepare(lit, &sites(scene, frame, count), &knobs, &run);
     let sorted = |p: &Prepared| -> Vec<Record> { stream::sorted(&p.surfels.all, &cube) };
     let book = stream::book(&sorted(&of(SPARSE)?), &Recipe::default(), &run)?;
     let prepared = of(SURFELS)?;
     let records = sorted(&prepared);
     let (packed, coded) = (Packed::build(&records), stream::coded_in_memory(&records, &book)?);
-    let (pose, _) = Framing::of(&tracer, std::slice::from_ref(&frame)).view(1.0, 0.0);
+    let (pose, _) = Framing::of(tracer, std::slice::from_ref(frame)).view(1.0, 0.0);
     let pose = frame.cameras.first().unwrap_or(&pose);
-    let buffer = GBuffer::trace(&tracer, &surfaces, pose, SIZE, &run)?;
+    let buffer = GBuffer::trace(tracer, surfaces, pose, SIZE, &run)?;
     let (mut prepared, binary) = prepared.with_tree(Shared(&packed));
     let trees: Trees = [("binary", &binary), ("packed", &packed), ("coded", &coded)];
-    walks(name, &buffer, &tracer, &knobs, trees);
+    walks(name, &buffer, tracer, &knobs, trees);
     let mut least = [f64::INFINITY; 3];
     for _ in 0..RUNS {
         for ((_, tree), least) in trees.iter().zip(&mut least) {

@@ -5,13 +5,14 @@
 
 #![allow(clippy::print_stdout)]
 
+mod common;
+
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_pbgi::code::{Gains, Lobes, Pen, Recipe, Words};
 use chiaro_pbgi::packed::{Packed, Record};
-use chiaro_pbgi::{Exact, LightKnobs, Lit, Spread, prepare, sites, stream};
-use chiaro_scene::{Poser, Scene, demo};
-use chiaro_trace::{Glow, Lamp, Lights, Surfaces, Tracer, daylight};
+use chiaro_pbgi::{Exact, LightKnobs, Spread, prepare, sites, stream};
+use chiaro_scene::{Scene, demo};
 use std::time::Instant;
 
 type Nodes = Vec<(f32, Vec3, Exact)>;
@@ -88,23 +89,12 @@ fn random(recipe: Recipe) -> Recipe {
 
 /// The lit records of a scene, one bounce.
 fn records(scene: &Scene, count: usize, run: &Run) -> Result<Vec<Record>> {
-    let (playback, _) = scene.playback(&Default::default())?;
-    let frame = Poser::new(scene).frame(0.0, &playback);
-    let tracer = Tracer::new(scene, &frame);
-    let surfaces = Surfaces::new(scene);
-    let mut lights = Lights {
-        lamps: Lamp::of_frame(&frame),
-        glow: Glow::of(&tracer, &surfaces),
-        ..Lights::default()
-    };
-    if lights.is_empty() {
-        lights.lamps = vec![daylight(Vec3::new(0.4, 0.8, 0.3).normalize()).0];
-    }
-    let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
     let knobs = LightKnobs { bounces: 1, ..LightKnobs::default() };
-    let prepared = prepare(lit, &sites(scene, &frame, count), &knobs, run)?;
-    let cube = stream::cube(&lit, &Spread::of(scene, &frame, count as u64));
-    Ok(stream::sorted(&prepared.surfels.all, &cube))
+    common::lit(scene, |frame, lit| {
+        let prepared = prepare(lit, &sites(scene, frame, count), &knobs, run)?;
+        let cube = stream::cube(&lit, &Spread::of(scene, frame, count as u64));
+        Ok(stream::sorted(&prepared.surfels.all, &cube))
+    })
 }
 
 fn nodes(records: &[Record]) -> Nodes {

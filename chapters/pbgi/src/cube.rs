@@ -104,7 +104,7 @@ impl CubeShape {
 }
 
 /// The face of a direction and the place on it, each coordinate in [-1, 1].
-fn face_of(d: Vec3) -> (usize, f32, f32) {
+pub(crate) fn face_of(d: Vec3) -> (usize, f32, f32) {
     let axis = d.abs().max_position();
     let major = d[axis];
     let (u, v) = (d[(axis + 1) % 3] / major.abs(), d[(axis + 2) % 3] / major.abs());

@@ -32,6 +32,15 @@ impl Cube {
     }
 }
 
+/// Where the highest bit changes in which keys differ, of things sorted by them; the middle where keys are equal.
+pub(crate) fn half<T>(sorted: &[T], key: impl Fn(&T) -> u64) -> usize {
+    let (first, last) = (key(&sorted[0]), key(&sorted[sorted.len() - 1]));
+    match (first ^ last).checked_ilog2() {
+        Some(bit) => sorted.partition_point(|t| key(t) >> bit == first >> bit),
+        None => sorted.len() / 2,
+    }
+}
+
 /// The index of a cell along the curve.
 fn hilbert(mut x: [u32; 3]) -> u64 {
     let highest = 1 << (BITS - 1);

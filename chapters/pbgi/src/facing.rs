@@ -9,6 +9,8 @@
 //! The three bits of the axis go into the key where the cell's own bits begin; what lies deeper moves down, and the three
 //! lowest bits are lost. Trees over keys need not know.
 
+use crate::cube::face_of;
+use crate::curve;
 use crate::surfel::Surfel;
 use chiaro_basis::math::Vec3;
 
@@ -23,7 +25,7 @@ pub(crate) type Keyed = [(u64, Surfel)];
 /// Parts the surfels by where they face; keys stay sorted.
 pub(crate) fn part(keyed: &mut Keyed) {
     if keyed.len() > LARGEST {
-        let (left, right) = halved(keyed);
+        let (left, right) = keyed.split_at_mut(middle(keyed));
         rayon::join(|| part(left), || part(right));
         return;
     }
@@ -51,7 +53,7 @@ impl Groups {
     fn with(mut self, surfel: &Surfel) -> Self {
         self.count += 1;
         self.area += surfel.area;
-        self.normals[axis(surfel.normal)] += surfel.area * surfel.normal;
+        self.normals[face_of(surfel.normal).0] += surfel.area * surfel.normal;
         self
     }
 
@@ -75,12 +77,6 @@ impl Groups {
     }
 }
 
-/// The axis of the world, with its sign, that a normal is nearest to.
-fn axis(normal: Vec3) -> usize {
-    let axis = normal.abs().max_position();
-    2 * axis + usize::from(normal[axis] < 0.0)
-}
-
 /// The sums over surfels of which the first has a number; the largest mixed cells among them are added to `found`.
 fn sums(keyed: &Keyed, first: usize, found: &mut Vec<std::ops::Range<usize>>) -> Groups {
     if keyed.len() < 2 {
@@ -98,33 +94,20 @@ fn sums(keyed: &Keyed, first: usize, found: &mut Vec<std::ops::Range<usize>>) ->
 
 /// Sorts the surfels of a cell by where they face.
 fn by_facing(keyed: &mut Keyed) {
-    let highest = highest(keyed);
-    let Some(shift) = highest.checked_sub(2) else { return };
-    let own = (2u64 << highest) - 1;
+    let differ = keyed[0].0 ^ keyed[keyed.len() - 1].0;
+    // Places that are all but equal have no room for the axis.
+    let Some(shift) = differ.checked_ilog2().and_then(|highest| highest.checked_sub(2)) else {
+        return;
+    };
+    let own = (8u64 << shift) - 1;
     for (key, surfel) in keyed.iter_mut() {
-        *key = (*key & !own) | (axis(surfel.normal) as u64) << shift | (*key & own) >> 3;
+        *key = (*key & !own) | (face_of(surfel.normal).0 as u64) << shift | (*key & own) >> 3;
     }
     keyed.sort_by_key(|(key, _)| *key);
 }
 
-/// The highest bit in which keys differ.
-fn highest(keyed: &Keyed) -> u32 {
-    let differ = keyed[0].0 ^ keyed[keyed.len() - 1].0;
-    differ.checked_ilog2().unwrap_or(0)
-}
-
-/// Where the highest differing bit changes; the middle of equal keys.
 fn middle(keyed: &Keyed) -> usize {
-    let first = keyed[0].0;
-    if first == keyed[keyed.len() - 1].0 {
-        return keyed.len() / 2;
-    }
-    let bit = highest(keyed);
-    keyed.partition_point(|(key, _)| key >> bit == first >> bit)
-}
-
-fn halved(keyed: &mut Keyed) -> (&mut Keyed, &mut Keyed) {
-    keyed.split_at_mut(middle(keyed))
+    curve::half(keyed, |(key, _)| *key)
 }
 
 #[cfg(test)]

@@ -72,22 +72,14 @@ impl SurfelGrid {
         normal: Vec3,
         counts: impl Fn(u32, usize) -> bool,
     ) -> Option<(u32, usize)> {
-        let own = (point / self.cell).floor();
-        let within = point / self.cell - own;
-        // The neighbours that are nearer, and how far they are.
-        let beside = Vec3::select(within.cmplt(Vec3::splat(0.5)), Vec3::NEG_ONE, Vec3::ONE);
-        let away = self.cell * within.min(1.0 - within);
-        let buckets = self.starts.len() - 1;
         let spacing2 = surfels.spacing * surfels.spacing;
         // A point a little farther than the cells reach may be found; it would depend on hashing.
-        let mut best = (0.25 * self.cell * self.cell, None);
-        for i in 0..8 {
-            let step = vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
-            if ROUNDED * (step * away).length_squared() > best.0 {
+        let mut best = (self.reach().powi(2), None);
+        for (cell, distance2) in self.cells(point) {
+            if ROUNDED * distance2 > best.0 {
                 continue;
             }
-            let b = bucket(own + step * beside, buckets);
-            for s in &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize] {
+            for s in self.bucket_of(cell) {
                 let cosine = s.normal.dot(normal);
                 let cost =
                     (s.position - point).length_squared() + TURN * spacing2 * (1.0 - cosine.abs());
@@ -99,24 +91,12 @@ impl SurfelGrid {
         }
         best.1
     }
-}
 
-impl SurfelGrid {
-    /// Calls `take` with every surfel within a reach of one and a half spacings of a point, and its squared distance.
+    /// Calls `take` with every surfel within [`reach`](Self::reach) of a point, and its squared distance.
     pub fn each_near(&self, point: Vec3, mut take: impl FnMut(usize, f32)) {
-        let reach2 = 0.25 * self.cell * self.cell;
-        let own = (point / self.cell).floor();
-        let beside = Vec3::select(
-            (point / self.cell - own).cmplt(Vec3::splat(0.5)),
-            Vec3::NEG_ONE,
-            Vec3::ONE,
-        );
-        let buckets = self.starts.len() - 1;
-        for i in 0..8 {
-            let step = vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
-            let cell = own + step * beside;
-            let b = bucket(cell, buckets);
-            for s in &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize] {
+        let reach2 = self.reach().powi(2);
+        for (cell, _) in self.cells(point) {
+            for s in self.bucket_of(cell) {
                 let distance2 = (s.position - point).length_squared();
                 // Other cells may share the bucket.
                 if distance2 < reach2 && (s.position / self.cell).floor() == cell {
@@ -126,9 +106,27 @@ impl SurfelGrid {
         }
     }
 
-    /// How far `each_near` looks, scene units.
+    /// One and a half spacings, scene units: everything nearer to a point is found.
     pub fn reach(&self) -> f32 {
         0.5 * self.cell
+    }
+
+    /// The cell of a point and the neighbours that are nearer, with their squared distances.
+    fn cells(&self, point: Vec3) -> impl Iterator<Item = (Vec3, f32)> {
+        let own = (point / self.cell).floor();
+        let within = point / self.cell - own;
+        let beside = Vec3::select(within.cmplt(Vec3::splat(0.5)), Vec3::NEG_ONE, Vec3::ONE);
+        let away = self.cell * within.min(1.0 - within);
+        (0..8).map(move |i| {
+            let step = vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+            (own + step * beside, (step * away).length_squared())
+        })
+    }
+
+    /// What lies in a cell, and in others of its bucket.
+    fn bucket_of(&self, cell: Vec3) -> &[Entry] {
+        let b = bucket(cell, self.starts.len() - 1);
+        &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize]
     }
 }
 

@@ -13,6 +13,7 @@
 //! bounds its surfels' centres and decides whether it is opened; its mean, weighted by area, is
 //! where it is splatted. Guaranteed: the same bits for any number of threads.
 
+use crate::curve;
 use crate::cut::Faces;
 use crate::facing;
 use crate::knob::Division;
@@ -208,14 +209,8 @@ type Ends = ([usize; 8], usize);
 
 /// Two parts: where the highest differing bit changes; the halves of equal keys.
 fn halves(keys: &[u64]) -> Ends {
-    let (first, last) = (keys[0], keys[keys.len() - 1]);
     let mut ends = [keys.len(); 8];
-    ends[0] = if first == last {
-        keys.len() / 2
-    } else {
-        let bit = 63 - (first ^ last).leading_zeros();
-        keys.partition_point(|k| k >> bit == first >> bit)
-    };
+    ends[0] = curve::half(keys, |key| *key);
     (ends, 2)
 }
 
