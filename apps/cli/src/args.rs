@@ -128,11 +128,11 @@ pub(crate) enum Command {
     /// Remake figures of the thesis as contact sheets, with a page that shows them.
     Figures {
         /// Which: 2.3, 3.4 to 3.16, table-3.1, 4.1 to 4.15, 4.events, 4.ids, 4.lines, 4.textures,
-        /// 4.styles, 4.character, 6.1, 6.5 to 6.10, 6.rate, 6.books, table-6.1 to table-6.3, baselines,
-        /// flicker, methods, strokes; none means all but 6.rate, 6.books and the last three.
+        /// 4.styles, 4.character, 5.1, 5.3, 6.1, 6.2, 6.5 to 6.10, 6.rate, 6.books, table-6.1 to table-6.3,
+        /// baselines, flicker, methods, strokes, light; none means all but 6.rate, 6.books and the last four.
         names: Vec<String>,
-        /// A scene for the figures of chapter 6 and for baselines, flicker, methods and strokes, which
-        /// lay ways side by side; may be repeated.
+        /// A scene for the figures of chapter 6 and for baselines, flicker, methods, strokes and light,
+        /// which lay ways side by side; may be repeated.
         #[arg(long = "scene", value_name = "SCENE")]
         scenes: Vec<String>,
         /// Folder for the sheets and index.html.

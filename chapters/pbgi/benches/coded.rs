@@ -58,7 +58,8 @@ fn measure_lit(name: &str, scene: &Scene, frame: &Frame, lit: Lit) -> Result<()>
     let book = stream::book(&sorted(&of(SPARSE)?), &Recipe::default(), &run)?;
     let prepared = of(SURFELS)?;
     let records = sorted(&prepared);
-    let (packed, coded) = (Packed::build(&records), stream::coded_in_memory(&records, &book)?);
+    let (packed, coded) =
+        (Packed::build(&records), stream::coded_in_memory(&records, cube, &book)?);
     let (pose, _) = Framing::of(tracer, std::slice::from_ref(frame)).view(1.0, 0.0);
     let pose = frame.cameras.first().unwrap_or(&pose);
     let buffer = GBuffer::trace(tracer, surfaces, pose, SIZE, &run)?;

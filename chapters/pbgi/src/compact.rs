@@ -281,6 +281,7 @@ mod tests {
     use crate::file;
     use crate::packed::tests::{node, sheet};
     use crate::packed::{Floats, Packed, records};
+    use crate::stream;
     use chiaro_basis::Run;
 
     fn both(n: u64) -> (Packed<Floats>, Packed<Compact>) {
@@ -299,6 +300,31 @@ mod tests {
         let mut builder = Builder::new(format);
         all.chunks(5000).for_each(|some| builder.add(some.to_vec()).unwrap());
         (exact, builder.done("").unwrap())
+    }
+
+    #[test]
+    fn codes_span_the_brighter_side_of_surfels() {
+        const BACK: [f32; 3] = [40.0, 20.0, 30.0];
+        let mut all = records(&sheet(2000));
+        all.iter_mut().filter(|r| r.alive[1]).for_each(|r| r.radiance[1] = BACK);
+        let cube = Cube::around(Vec3::new(0.0, -0.2, 0.0), Vec3::ONE);
+        let run = Run::default();
+        let book = stream::book(&all, &Recipe::default(), &run).unwrap();
+        let coded = stream::coded_in_memory(&all, cube, &book).unwrap();
+        let mut backs = 0;
+        for block in 0..coded.store.counts()[0] {
+            coded.store.records(
+                block,
+                |_| u32::MAX,
+                |r| {
+                    backs += usize::from(r.alive[1]);
+                    let near =
+                        r.radiance[1].iter().zip(BACK).all(|(a, b)| (a / b - 1.0).abs() < 0.1);
+                    assert!(near || !r.alive[1], "{:?}", r.radiance);
+                },
+            );
+        }
+        assert_eq!(backs, all.iter().filter(|r| r.alive[1]).count());
     }
 
     #[test]

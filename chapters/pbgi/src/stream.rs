@@ -124,24 +124,11 @@ impl Lesson {
     }
 }
 
-/// The tree over records, coded with a book, as a whole.
-pub fn coded_in_memory(records: &[Record], book: &Book) -> Result<Packed<Compact>> {
-    let low = records.iter().fold(Vec3::INFINITY, |m, r| m.min(r.position));
-    let high = records.iter().fold(Vec3::NEG_INFINITY, |m, r| m.max(r.position));
-    let cube = if records.is_empty() {
-        Cube::around(Vec3::ZERO, Vec3::ONE)
-    } else {
-        Cube::around(low, high)
-    };
-    let sum = |r: &Record| r.radiance[0].iter().sum::<f32>();
-    let brightest = records.iter().map(sum).fold(0.0, f32::max);
+/// The tree over records along the curve of a cube, coded with a book, as a whole.
+pub fn coded_in_memory(records: &[Record], cube: Cube, book: &Book) -> Result<Packed<Compact>> {
+    let light = records.iter().map(|r| brighter(&r.radiance)).fold(0.0, f32::max);
     let area: f64 = records.iter().map(|r| f64::from(r.area)).sum();
-    let mut builder = Builder::new(Format {
-        book: book.clone(),
-        cube,
-        top_area: area.max(f64::from(f32::MIN_POSITIVE)) as f32,
-        top_light: if brightest > 0.0 { brightest } else { 1.0 },
-    });
+    let mut builder = Builder::new(spanning(book.clone(), cube, area, light));
     builder.add(records.to_vec())?;
     builder.done("")
 }
@@ -165,15 +152,24 @@ pub fn cube(lit: &Lit, spread: &Spread) -> Cube {
 
 /// How the tree of a spread is stored, with a book.
 pub fn format(book: Book, cube: Cube, spread: &Spread, sparse: &Surfels) -> Format {
-    let light = |s: &Surfel| s.radiance.iter().map(|r| r.iter().sum::<f32>()).fold(0.0, f32::max);
-    let brightest = sparse.all.iter().map(light).fold(0.0, f32::max);
+    let light = sparse.all.iter().map(|s| brighter(&s.radiance)).fold(0.0, f32::max);
     let area: f64 = sparse.all.iter().map(|s| f64::from(s.area)).sum();
+    // What is drawn, and what the sparse set, in another frame, stands for.
+    spanning(book, cube, area.max(spread.area), light)
+}
+
+/// The light of the brighter side, over all colours.
+fn brighter(sides: &[[f32; 3]; 2]) -> f32 {
+    sides.iter().map(|r| r.iter().sum::<f32>()).fold(0.0, f32::max)
+}
+
+/// Codes that span both sides of an area, and the light of the brightest surfel.
+fn spanning(book: Book, cube: Cube, area: f64, light: f32) -> Format {
     Format {
         book,
         cube,
-        // Both sides of what is drawn, and of what the sparse set, in another frame, stands for.
-        top_area: 2.0 * area.max(spread.area).max(f64::from(f32::MIN_POSITIVE)) as f32,
-        top_light: if brightest > 0.0 { HEADROOM * brightest } else { 1.0 },
+        top_area: 2.0 * area.max(f64::from(f32::MIN_POSITIVE)) as f32,
+        top_light: if light > 0.0 { HEADROOM * light } else { 1.0 },
     }
 }
 

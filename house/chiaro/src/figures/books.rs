@@ -84,7 +84,8 @@ fn books(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> 
                 let mut row = vec![name_of(scene).to_owned(), name.to_owned()];
                 for (source, lessons) in SOURCES.iter().zip(all) {
                     let book = stream::taught(lessons, &recipe, run)?;
-                    points.tree = Box::new(stream::coded_in_memory(&records, &book)?);
+                    points.tree =
+                        Box::new(stream::coded_in_memory(&records, at.cube(DENSE), &book)?);
                     let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
                     let p99 = p99(&book, &nodes);
                     let psnr = near.psnr.map_or("same".into(), |p| format!("{p:.1}"));

@@ -11,6 +11,7 @@ use chiaro_image::sheet::Sheet;
 use chiaro_pbgi::classic::{Classic, Leaf};
 use chiaro_pbgi::code::{Book, Gains, Pen, Recipe};
 use chiaro_pbgi::compact::Compact;
+use chiaro_pbgi::curve::Cube;
 use chiaro_pbgi::packed::{Packed, Record};
 use chiaro_pbgi::{Exact, LightKnobs, stream};
 use serde_json::{Value, json};
@@ -213,7 +214,7 @@ fn seconds(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>
             let sparse = stream::lessons(&at.records(&at.points(SPARSE, run)?), stream::LESSONS);
             let (rows, own) = alone(|| {
                 let light = at.lighting(DENSE, run)?;
-                timed(&records, light, &taught, &sparse, run)
+                timed((&records, at.cube(DENSE)), light, &taught, &sparse, run)
             })?;
             sheet.add(table(&rows), format!("{}: {} leaves", name_of(scene), records.len()));
             values.extend(own.into_iter().map(|mut v| {
@@ -236,7 +237,7 @@ fn alone<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
 
 /// Table 6.3 in rows, and as values; `light` are the seconds that leaves take to be lit.
 fn timed(
-    records: &[Record],
+    (records, cube): (&[Record], Cube),
     light: f64,
     taught: &lessons::Nodes,
     sparse: &[stream::Lesson],
@@ -299,7 +300,7 @@ fn timed(
         let start = Instant::now();
         let book = stream::taught(sparse, &recipe, run)?;
         let learned = start.elapsed().as_secs_f64();
-        let own = million * least(|| stream::coded_in_memory(records, &book));
+        let own = million * least(|| stream::coded_in_memory(records, cube, &book));
         rows.push(line(name, learned, own, plain));
         values.push(value(name, learned, own, plain));
     }
@@ -511,7 +512,7 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
     points.tree = Box::new(half);
     let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
     let coded = |book: &Book| -> Result<(Packed<Compact>, f64)> {
-        let tree = stream::coded_in_memory(&records, book)?;
+        let tree = stream::coded_in_memory(&records, at.cube(DENSE), book)?;
         let bytes = tree.store.bytes() - tree.store.format.book.size();
         Ok((tree, bytes as f64 / surfels))
     };

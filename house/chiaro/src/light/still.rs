@@ -6,6 +6,7 @@ use crate::project::{Options, Project};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::{Plane, metric};
+use chiaro_pbgi::curve::Cube;
 use chiaro_pbgi::packed::{Record, sides};
 use chiaro_pbgi::pixel::{Workspace, gather};
 use chiaro_pbgi::resolve::{Irradiance, Seen, resolve};
@@ -101,9 +102,13 @@ impl Still<'_> {
 
     /// Surfels with living sides along the curve.
     pub(crate) fn records(&self, points: &Prepared<AnyTree>) -> Vec<Record> {
-        let count = points.surfels.all.len() as u64;
-        let spread = Spread::of(&self.shot.project.scene, self.frame, count.max(1));
-        stream::sorted(&points.surfels.all, &stream::cube(&self.lit, &spread))
+        stream::sorted(&points.surfels.all, &self.cube(points.surfels.all.len()))
+    }
+
+    /// The cube along whose curve the records of so many surfels lie.
+    pub(crate) fn cube(&self, count: usize) -> Cube {
+        let spread = Spread::of(&self.shot.project.scene, self.frame, count.max(1) as u64);
+        stream::cube(&self.lit, &spread)
     }
 
     /// The living sides of surfels along the curve: leaves of the thesis's tree.
