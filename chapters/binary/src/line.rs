@@ -4,7 +4,9 @@
 //! drawn in the other colour where both sides have the same label, and not at all where the border
 //! of the regions draws it already. Paper counts as a white side: the outline is drawn where the
 //! region is white. A region narrower than the line counts as its other side, so that lines do not
-//! thin out or break where a sliver would stand for them.
+//! thin out or break where a sliver would stand for them; a region that a line would all but fill, or
+//! cut a sliver off, gets none. A crease beside a step or another object, nearer than a line is wide,
+//! leaves the line to that.
 
 use crate::geometry::{angle, depth_step};
 use crate::halo::behind;
@@ -20,6 +22,8 @@ use std::f32::consts::PI;
 /// 480.
 const WIDEST_GAP: f32 = 10.0;
 const LEAST_DASH: f32 = 3.0;
+/// How far from the middle of a line a region must reach on either side, in widths of the line.
+const ROOM: f32 = 1.25;
 
 /// Lines to be drawn.
 #[derive(Clone, Debug, Default)]
@@ -66,12 +70,16 @@ impl Lines {
         let is_side = |p: Pixel, side: bool| {
             label(p) == side || is_narrow((w, h), p, width, |p| label(p) != side)
         };
+        let has_room = |p: Pixel, axis: usize, side: bool| {
+            let holds = |p: Pixel| label(p) == side;
+            has_room((w, h), p, axis, (ROOM * width).ceil() as usize, holds)
+        };
         let lines = |side: bool| {
             let marked = |x: usize, y: usize, axis: usize| {
                 let q = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
                 let feature = features.marks[(x, y)] & (1 << axis) != 0;
                 let feature = feature && !(features.in_halo((x, y)) && features.in_halo(q));
-                feature && is_side((x, y), side) && is_side(q, side)
+                feature && is_side((x, y), side) && is_side(q, side) && has_room((x, y), axis, side)
             };
             Cracks::mark(w, h, marked).joined(least, gap, shortest, rounds)
         };
@@ -96,6 +104,23 @@ fn is_narrow((w, h): Pixel, p: Pixel, width: f32, holds: impl Fn(Pixel) -> bool)
     let across = run(p.0, w, &|x| holds((x, p.1)));
     let down = run(p.1, h, &|y| holds((p.0, y)));
     (across.min(down) as f32) < width
+}
+
+/// Whether a region has room for a line between a pixel and the next one along an axis: so many
+/// pixels on each side, unless they are not the region's own.
+fn has_room(
+    (w, h): Pixel,
+    (x, y): Pixel,
+    axis: usize,
+    least: usize,
+    holds: impl Fn(Pixel) -> bool,
+) -> bool {
+    let (at, end) = if axis == 0 { (x, w) } else { (y, h) };
+    let holds = |i: usize| holds(if axis == 0 { (i, y) } else { (x, i) });
+    let mut before = at.saturating_sub(least - 1)..=at;
+    let mut after = at + 1..(at + 1 + least).min(end);
+    let own = |i| holds(i);
+    (!own(at) || before.all(own)) && (!own(at + 1) || after.all(own))
 }
 
 /// Where lines may run, whatever the labels: between which pixels there is a depth step, a crease,
@@ -178,7 +203,44 @@ impl Finder<'_> {
     fn is_inner_line(&self, p: Pixel, q: Pixel) -> bool {
         let k = self.knobs;
         let objects = k.line_objects && self.buffer.object[p] != self.buffer.object[q];
-        objects || self.is_step(p, q) || self.is_crease(p, q)
+        objects || self.is_step(p, q) || (self.is_crease(p, q) && !self.is_beside_edge(p, q))
+    }
+
+    /// Whether a step, another object or the outline runs along a pair of pixels, nearer than a line
+    /// is wide: bevels of a pixel would draw it twice.
+    fn is_beside_edge(&self, p: Pixel, q: Pixel) -> bool {
+        let b = self.buffer;
+        let reach = scaled(self.knobs.line_width, b.size().1).ceil() as isize;
+        let to = |at: Pixel, (dx, dy): (isize, isize), k: isize| {
+            (at.0 as isize + k * dx, at.1 as isize + k * dy)
+        };
+        let along = (q.0 as isize - p.0 as isize, q.1 as isize - p.1 as isize);
+        let across = (along.1, along.0);
+        let beyond = (1..=reach).any(|k| {
+            self.is_edge(to(p, along, -k), to(p, along, 1 - k))
+                || self.is_edge(to(q, along, k - 1), to(q, along, k))
+        });
+        let beside = |at: Pixel| {
+            let here = to(at, across, 0);
+            self.is_edge(here, to(at, across, 1)) || self.is_edge(here, to(at, across, -1))
+        };
+        beyond || beside(p) || beside(q)
+    }
+
+    /// Whether a step, another object or the outline lies between two places.
+    fn is_edge(&self, a: (isize, isize), b: (isize, isize)) -> bool {
+        let buffer = self.buffer;
+        let covered = |(x, y): (isize, isize)| buffer.covered.at(x, y).copied();
+        let pixel = |(x, y): (isize, isize)| (x as usize, y as usize);
+        match (covered(a), covered(b)) {
+            (Some(true), Some(true)) => {
+                let (p, q) = (pixel(a), pixel(b));
+                let objects = self.knobs.line_objects && buffer.object[p] != buffer.object[q];
+                objects || self.is_step(p, q)
+            }
+            (Some(a), Some(b)) => a != b && self.knobs.line_silhouette,
+            _ => false,
+        }
     }
 
     /// A depth step. On what is nearly edge-on a pixel's own depth range is no step.
@@ -226,6 +288,7 @@ impl Finder<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chiaro_scene::{Pose, Projection};
 
     /// A white rectangle on paper, black in `rows` of its upper rows between two columns: how long its
     /// outline is drawn, in pixels.
@@ -254,5 +317,49 @@ mod tests {
         assert_eq!(outline(0), 320);
         assert_eq!(outline(1), 320);
         assert_eq!(outline(8), 300);
+    }
+
+    #[test]
+    fn white_lines_are_drawn_where_black_is_left_on_both_sides() {
+        // A black band of so many rows with an edge after its second one.
+        let drawn = |rows: usize| {
+            let (w, h) = (100, 480);
+            let white = Plane::from_fn(w, h, |_, y| !(100..100 + rows).contains(&y));
+            let marks = Plane::from_fn(w, h, |_, y| u8::from(y == 101) << 1);
+            let covered = Plane::filled(w, h, true);
+            let features = Features { marks, halo: None };
+            let lines = Lines::between(&features, &white, &covered, true, &BinaryKnobs::default());
+            (lines.white.len(), lines.black.len())
+        };
+        assert_eq!(drawn(3), (0, 0));
+        assert_eq!(drawn(4), (1, 0));
+    }
+
+    #[test]
+    fn bevels_of_a_pixel_do_not_draw_an_edge_twice() {
+        // A slanted rail before a far wall, its upper face a pixel high in every other column or so.
+        let side = 64;
+        let edge = |x: usize| 20 + x / 6;
+        let rail = |bevel: bool| {
+            let projection = Projection::Orthographic { half_height: 0.32 };
+            let pose = Pose::look_at(Vec3::Z * 20.0, Vec3::ZERO, Vec3::Y, projection);
+            let mut buffer = GBuffer::empty(&pose, 1.0, (side, side));
+            for (x, y) in (0..side * side).map(|i| (i % side, i / side)) {
+                let z = if y < edge(x) { -5.0 } else { 0.0 };
+                let is_top = bevel && y == edge(x) && x % 6 < 3;
+                let normal = if is_top { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
+                let p = (x, y);
+                buffer.covered[p] = true;
+                buffer.object[p] = 1;
+                buffer.depth[p] = 20.0 - z;
+                buffer.position[p] = [0.01 * x as f32, -0.01 * y as f32, z];
+                buffer.geometric_normal[p] = normal;
+                buffer.smooth_normal[p] = normal;
+            }
+            Features::find(&buffer, &BinaryKnobs::default()).marks
+        };
+        let plain = rail(false);
+        assert_eq!(plain, rail(true));
+        assert!(plain.pixels().iter().any(|m| *m > 0));
     }
 }
