@@ -1,23 +1,35 @@
 //! The plain backdrop of a photograph that brings no mask: things on a white table, a bust before black.
 //!
-//! 1. The backdrop's colour is the median of the picture's frame, if most of the frame is like it.
+//! 1. The backdrop's colour is the median of the picture's frame, if half of the frame is like it.
 //! 2. The backdrop is what is like it and connected to the frame. It must be a good part of the
-//!    picture, and not all of it.
+//!    picture, and most of its frame, and not all of it.
+//! 3. A lamp that stands aside and a lens that darkens its corners shade it: a cubic over what was
+//!    found takes the median's place, and what is like that is found in its turn. What is burnt
+//!    white says only that the cubic is as bright there.
 //!
 //! Left out, it is paper, and light and shade are divided over the things themselves. Where nothing
 //! but colours is known, dark backdrops stay: they may be the night.
 
 use chiaro_image::Plane;
 use chiaro_image::colour::srgb_encode;
+use chiaro_solve::{Normal, Rows};
 
 /// Difference of displayed colour, at most, of what is like the backdrop.
 const ALIKE: f32 = 0.12;
-/// Share of the frame that is like the backdrop, at least.
-const OF_FRAME: f32 = 0.7;
+/// Share of the frame that is like the backdrop, at least: like its median, and in all.
+const OF_FRAME: [f32; 2] = [0.5, 0.7];
 /// Share of the picture that the backdrop takes, at least and at most.
 const OF_PICTURE: [f32; 2] = [0.15, 0.98];
 /// Displayed brightness from which a backdrop is paper.
 const LIGHT: f32 = 0.6;
+/// How often the shade of the backdrop is fitted, by about how many pixels.
+const FITS: usize = 6;
+const FITTED: usize = 4096;
+/// How far the fitted colour may be from the median.
+const SHADED: f32 = 0.5;
+/// A channel is burnt from here on, and then counts so much where no fit says more.
+const BURNT: f32 = 0.985;
+const BURNT_WEIGHT: f64 = 0.05;
 
 /// Where a picture in linear colour, opaque throughout, shows a plain backdrop.
 pub(super) fn backdrop(colour: &Plane<[f32; 4]>, dark_too: bool) -> Option<Plane<bool>> {
@@ -30,13 +42,24 @@ pub(super) fn backdrop(colour: &Plane<[f32; 4]>, dark_too: bool) -> Option<Plane
     let brightness = median.iter().sum::<f32>() / 3.0;
     let alike = shown.map(|p| p.iter().zip(median).all(|(value, m)| (value - m).abs() <= ALIKE));
     let share = |count: usize, of: usize| count as f32 / of.max(1) as f32;
-    let of_frame = share(frame.iter().filter(|p| alike[**p]).count(), frame.len());
-    if of_frame < OF_FRAME || !(dark_too || brightness >= LIGHT) {
+    let of_frame =
+        |found: &Plane<bool>| share(frame.iter().filter(|p| found[**p]).count(), frame.len());
+    if of_frame(&alike) < OF_FRAME[0] || !(dark_too || brightness >= LIGHT) {
         return None;
     }
-    let reached = reached(&alike, frame);
+    let mut reached = reached(&alike, &frame);
+    let mut shade: Option<Shade> = None;
+    for _ in 0..FITS {
+        let Some(fitted) = Shade::fitted(&shown, &reached, median, shade.as_ref()) else { break };
+        let alike = Plane::from_fn(shown.width(), shown.height(), |x, y| {
+            reached[(x, y)] || fitted.is_like((x, y), shown[(x, y)])
+        });
+        reached = self::reached(&alike, &frame);
+        shade = Some(fitted);
+    }
     let of_picture = share(reached.pixels().iter().filter(|r| **r).count(), reached.len());
-    (OF_PICTURE[0]..=OF_PICTURE[1]).contains(&of_picture).then_some(reached)
+    let is_part = (OF_PICTURE[0]..=OF_PICTURE[1]).contains(&of_picture);
+    (is_part && of_frame(&reached) >= OF_FRAME[1]).then_some(reached)
 }
 
 /// The outermost pixels.
@@ -56,9 +79,9 @@ fn median(colours: impl Iterator<Item = [f32; 3]>) -> [f32; 3] {
 }
 
 /// The marked pixels that are connected to some by their sides.
-fn reached(marks: &Plane<bool>, from: Vec<(usize, usize)>) -> Plane<bool> {
+fn reached(marks: &Plane<bool>, from: &[(usize, usize)]) -> Plane<bool> {
     let mut reached = marks.map(|_| false);
-    let mut open = from;
+    let mut open = from.to_vec();
     while let Some((x, y)) = open.pop() {
         if !marks[(x, y)] || std::mem::replace(&mut reached[(x, y)], true) {
             continue;
@@ -69,9 +92,74 @@ fn reached(marks: &Plane<bool>, from: Vec<(usize, usize)>) -> Plane<bool> {
     reached
 }
 
+/// How a backdrop's colour changes over the picture: a cubic for each channel.
+struct Shade {
+    size: (usize, usize),
+    channels: [Vec<f64>; 3],
+    median: [f32; 3],
+}
+
+impl Shade {
+    /// The least-squares fit to the marked pixels; `None` where they do not determine it. What the fit
+    /// before says tells which burnt pixels are darker in it.
+    fn fitted(
+        shown: &Plane<[f32; 3]>,
+        marks: &Plane<bool>,
+        median: [f32; 3],
+        before: Option<&Self>,
+    ) -> Option<Self> {
+        let (w, h) = shown.size();
+        let step = ((w * h) as f64 / FITTED as f64).sqrt().ceil().max(1.0) as usize;
+        let grid = (0..h).step_by(step).flat_map(|y| (0..w).step_by(step).map(move |x| (x, y)));
+        let pixels: Vec<(usize, usize)> = grid.filter(|p| marks[*p]).collect();
+        let mut rows = Rows::new(TERMS);
+        for p in &pixels {
+            let terms = terms(*p, (w, h)).into_iter().enumerate();
+            rows.push(&terms.map(|(i, t)| (i as u32, t)).collect::<Vec<_>>());
+        }
+        let equations = Normal::new(&rows);
+        let solved = |channel: usize| {
+            let weight = |p: &(usize, usize)| match before {
+                _ if shown[*p][channel] < BURNT => 1.0,
+                None => BURNT_WEIGHT,
+                Some(fit) => f64::from(u8::from(fit.at(*p)[channel] < BURNT)),
+            };
+            let weights: Vec<f64> = pixels.iter().map(weight).collect();
+            let right: Vec<f64> = pixels.iter().map(|p| f64::from(shown[*p][channel])).collect();
+            equations.solve(&weights, &right).ok()
+        };
+        let channels = [solved(0)?, solved(1)?, solved(2)?];
+        Some(Self { size: (w, h), channels, median })
+    }
+
+    /// The fitted colour at a pixel.
+    fn at(&self, pixel: (usize, usize)) -> [f32; 3] {
+        let terms = terms(pixel, self.size);
+        let value = |fit: &Vec<f64>| fit.iter().zip(terms).map(|(a, t)| a * t).sum::<f64>() as f32;
+        [0, 1, 2].map(|c| value(&self.channels[c]).min(1.0))
+    }
+
+    fn is_like(&self, pixel: (usize, usize), colour: [f32; 3]) -> bool {
+        let near = |(c, fitted): (usize, f32)| {
+            (colour[c] - fitted).abs() <= ALIKE && (fitted - self.median[c]).abs() <= SHADED
+        };
+        self.at(pixel).into_iter().enumerate().all(near)
+    }
+}
+
+const TERMS: usize = 10;
+
+/// The terms of a cubic over the picture, its sides from -1 to 1.
+fn terms((x, y): (usize, usize), (w, h): (usize, usize)) -> [f64; TERMS] {
+    let along = |at: usize, of: usize| (2 * at + 1) as f64 / of as f64 - 1.0;
+    let (x, y) = (along(x, w), along(y, h));
+    [1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chiaro_image::colour;
 
     /// A disc of a tone on a ground of another, with a hole in it.
     fn disc(ground: f32, tone: f32) -> Plane<[f32; 4]> {
@@ -88,6 +176,23 @@ mod tests {
         assert!(found[(0, 0)] && !found[(25, 15)] && !found[(20, 15)]);
         assert!(backdrop(&disc(0.0, 0.5), false).is_none(), "night");
         assert!(backdrop(&disc(0.0, 0.5), true).is_some());
+    }
+
+    #[test]
+    fn backdrops_that_a_lamp_shades_are_found_whole() {
+        // From bright on one side to as dark on the other as no median tolerates.
+        let shaded = Plane::from_fn(60, 40, |x, y| {
+            let light = 0.97 - 0.2 * (1.0 - x as f32 / 60.0).powi(2);
+            let is_thing = (x as f32 - 30.0).hypot(y as f32 - 20.0) < 9.0;
+            let v = colour::srgb_decode(if is_thing { light - 0.3 } else { light });
+            [v, v, v, 1.0]
+        });
+        let found = backdrop(&shaded, false).unwrap();
+        for (i, found) in found.pixels().iter().enumerate() {
+            let (x, y) = (i % 60, i / 60);
+            let is_thing = (x as f32 - 30.0).hypot(y as f32 - 20.0) < 9.0;
+            assert_eq!(*found, !is_thing, "{x} {y}");
+        }
     }
 
     #[test]
