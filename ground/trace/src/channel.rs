@@ -12,6 +12,7 @@
 
 use crate::gbuffer::GBuffer;
 use crate::light::{Arrival, Lamp};
+use crate::panels::Panels;
 use crate::shadow::Shadows;
 use crate::surface::Surfaces;
 use crate::tracer::{Ray, Sides, Tracer};
@@ -46,11 +47,12 @@ pub fn diffuse(
         true => Some(Shadows::sample(tracer, buffer, lamps, run)?),
         false => None,
     };
+    let panels = Panels::of(lamps);
     let sums = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return [0.0; 2];
         }
-        illuminance(buffer, lamps, shaded.as_ref(), (x, y))
+        illuminance(buffer, (lamps, &panels), shaded.as_ref(), (x, y))
     });
     run.check()?;
     let middle = match lamps {
@@ -72,7 +74,7 @@ pub fn diffuse(
 /// Illuminance without and with shadow, lux.
 fn illuminance(
     buffer: &GBuffer,
-    lamps: &[Lamp],
+    (lamps, panels): (&[Lamp], &Panels),
     shadows: Option<&Shadows<'_>>,
     pixel: (usize, usize),
 ) -> [f32; 2] {
@@ -85,15 +87,20 @@ fn illuminance(
     };
     let around = shadows.map(|s| s.around(pixel));
     let mut sum = [own; 2];
-    for (k, lamp) in lamps.iter().enumerate().filter(|(_, l)| l.is_before(position, normal)) {
+    let mut add = |k: usize, e: f32| {
+        let dark = around.as_ref().is_some_and(|a| a.is_dark(k, position));
+        sum[0] += e;
+        sum[1] += if dark { 0.0 } else { e };
+    };
+    let single = lamps.iter().enumerate().filter(|(_, l)| l.patch.is_none());
+    for (k, lamp) in single.filter(|(_, l)| l.is_before(position, normal)) {
         let Some(arrival) = lamp.arrival(position) else { continue };
         let e = arrival.strength * normal.dot(arrival.towards).max(0.0);
         if e > 0.0 {
-            sum[0] += e;
-            let dark = around.as_ref().is_some_and(|a| a.is_dark(k, &arrival));
-            sum[1] += if dark { 0.0 } else { e };
+            add(k, e);
         }
     }
+    panels.light(position, normal, add);
     sum
 }
 

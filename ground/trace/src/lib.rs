@@ -18,6 +18,7 @@ mod link;
 mod mip;
 mod motion;
 mod occlusion;
+mod panels;
 pub mod path;
 mod sample;
 mod shadow;

@@ -34,6 +34,14 @@ pub struct Patch {
     pub two_sided: bool,
 }
 
+impl Patch {
+    /// What is added to the square of distances: half of what a disc on its axis asks for, so that what
+    /// touches it is not burnt.
+    pub(crate) fn softening(self) -> f32 {
+        0.5 * self.area * std::f32::consts::FRAC_1_PI
+    }
+}
+
 /// Light that arrives at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
@@ -122,11 +130,9 @@ impl Lamp {
         normal.dot(offset) > 0.0 && self.patch.is_none_or(shines)
     }
 
-    /// What strength is divided by: the square of the distance, and a little more near a patch (half
-    /// of what a disc on its axis asks for), so that what touches it is not burnt.
+    /// What strength is divided by: the square of the distance, and a little more near a patch.
     fn square(&self, distance: f32) -> f32 {
-        let softening = self.patch.map_or(0.0, |p| 0.5 * p.area * std::f32::consts::FRAC_1_PI);
-        distance * distance + softening
+        distance * distance + self.patch.map_or(0.0, Patch::softening)
     }
 
     /// The spot's angular falloff (KHR_lights_punctual), a patch's cosine, 1 for point lights.

@@ -1,7 +1,8 @@
 //! Shadows of lamps in a picture: rays where it takes them.
 //!
 //! In pictures of many rows shadows are sampled at one of 2 x 2 pixels, those of lamps that stand for
-//! pieces of shining surfaces at one of 4 x 4. Where the samples around a pixel lie on its smooth
+//! pieces of shining surfaces at one of 8 x 8, and of 4 x 4 where those differ; in small pictures
+//! those alone are sampled, at one of 2 x 2. Where the samples around a pixel lie on its smooth
 //! surface and agree on a lamp, the pixel agrees with them; elsewhere it casts its own ray. So every
 //! shadow has its edge to the pixel. Not guaranteed: shadows, or gaps in them, narrower than the
 //! samples are apart.
@@ -26,8 +27,9 @@ pub(crate) struct Shadows<'a> {
     tracer: &'a Tracer<'a>,
     buffer: &'a GBuffer,
     lamps: &'a [Lamp],
-    /// The finest samples so far.
+    /// The finest samples so far, and of which lamps they tell all.
     samples: Option<Samples>,
+    told: u64,
 }
 
 /// Which lamps are dark at every `step`th pixel of every `step`th row.
@@ -53,19 +55,31 @@ impl<'a> Shadows<'a> {
         lamps: &'a [Lamp],
         run: &Run,
     ) -> Result<Self> {
-        let mut shadows = Self { tracer, buffer, lamps, samples: None };
-        if buffer.size().1 > FINE_ROWS && lamps.len() <= MOST_LAMPS {
-            shadows.take_samples(run)?;
+        let mut shadows = Self { tracer, buffer, lamps, samples: None, told: 0 };
+        if lamps.len() > MOST_LAMPS {
+            return Ok(shadows);
+        }
+        if buffer.size().1 > FINE_ROWS {
+            shadows.take_samples(&[8, 4, 2], run)?;
+            shadows.told = u64::MAX;
+        } else if shadows.pieces() != 0 {
+            shadows.take_samples(&[2], run)?;
+            shadows.told = shadows.pieces();
         }
         Ok(shadows)
     }
 
-    fn take_samples(&mut self, run: &Run) -> Result<()> {
-        // Only pieces of surfaces, each one of many, are known from so few samples.
+    /// The lamps that stand for pieces of surfaces. Only these, each one of many, are known from few
+    /// samples.
+    fn pieces(&self) -> u64 {
         let pieces = self.lamps.iter().enumerate().filter(|(_, l)| l.patch.is_some());
-        let pieces = pieces.fold(0, |bits, (k, _)| bits | 1 << k);
-        self.refine(4, 0, run)?;
-        self.refine(2, pieces, run)
+        pieces.fold(0, |bits, (k, _)| bits | 1 << k)
+    }
+
+    /// Samples so many pixels apart, finer and finer, the last ones where they are to be.
+    fn take_samples(&mut self, steps: &[usize], run: &Run) -> Result<()> {
+        let pieces = self.pieces();
+        steps.iter().try_for_each(|step| self.refine(*step, pieces, run))
     }
 
     /// Puts samples in the place of those that are there, which are believed of some lamps.
@@ -76,7 +90,7 @@ impl<'a> Shadows<'a> {
             if !self.buffer.covered[pixel] || run.check().is_err() {
                 return 0;
             }
-            let around = self.around(pixel);
+            let around = self.surrounded(pixel);
             let believed = if self.holds(pixel) { u64::MAX } else { believed };
             Around { known: around.known & believed, ..around }.all()
         });
@@ -91,8 +105,15 @@ impl<'a> Shadows<'a> {
         self.samples.as_ref().is_some_and(|s| on(s.step))
     }
 
-    /// What the samples around a pixel say.
+    /// What is known of a pixel from the samples around it.
     pub(crate) fn around(&self, pixel: Pixel) -> Around<'_, 'a> {
+        let around = self.surrounded(pixel);
+        let told = if self.holds(pixel) { u64::MAX } else { self.told };
+        Around { known: around.known & told, ..around }
+    }
+
+    /// What the samples around a pixel say.
+    fn surrounded(&self, pixel: Pixel) -> Around<'_, 'a> {
         let [known, dark] = self.samples.as_ref().map_or([0; 2], |s| s.agreed(self.buffer, pixel));
         Around { shadows: self, pixel, known, dark }
     }
@@ -126,21 +147,24 @@ impl Samples {
 }
 
 impl Around<'_, '_> {
-    /// Whether something stands between the pixel and a lamp whose light would arrive.
-    pub(crate) fn is_dark(&self, lamp: usize, arrival: &Arrival) -> bool {
+    /// Whether something stands between the pixel, whose position is given, and a lamp.
+    pub(crate) fn is_dark(&self, lamp: usize, position: Vec3) -> bool {
         if lamp < MOST_LAMPS && self.known >> lamp & 1 == 1 {
             return self.dark >> lamp & 1 == 1;
         }
-        in_shadow(self.shadows.tracer, self.shadows.buffer, self.pixel, arrival)
+        let Shadows { tracer, buffer, lamps, .. } = self.shadows;
+        let arrival = lamps[lamp].arrival(position);
+        arrival.is_none_or(|arrival| in_shadow(tracer, buffer, self.pixel, &arrival))
     }
 
     /// The lamps whose light does not reach the pixel, whichever way bumps turn it.
     fn all(&self) -> u64 {
         let position = Vec3::from(self.shadows.buffer.position[self.pixel]);
         let unknown = |k: &usize| self.known >> k & 1 == 0;
+        let smooth = Vec3::from(self.shadows.buffer.smooth_normal[self.pixel]);
         let dark = |k: &usize| {
-            let arrival = self.shadows.lamps[*k].arrival(position);
-            arrival.is_none_or(|arrival| self.is_dark(*k, &arrival))
+            let lamp = &self.shadows.lamps[*k];
+            !lamp.is_before(position, smooth) || self.is_dark(*k, position)
         };
         let found = (0..self.shadows.lamps.len()).filter(unknown).filter(dark);
         found.fold(self.known & self.dark, |bits, k| bits | 1 << k)
@@ -185,9 +209,10 @@ mod tests {
         let buffer = GBuffer::trace(&tracer, &surfaces, &pose, (300, 300), &run).unwrap();
         let sun = Lamp::key(&pose);
         let lamps = [sun, Lamp { patch: Some(Patch { area: 1.0, two_sided: false }), ..sun }];
-        let every = Shadows { tracer: &tracer, buffer: &buffer, lamps: &lamps, samples: None };
-        let mut few = Shadows { samples: None, ..every };
-        few.take_samples(&run).unwrap();
+        let every =
+            Shadows { tracer: &tracer, buffer: &buffer, lamps: &lamps, samples: None, told: 0 };
+        let mut few = Shadows { samples: None, told: u64::MAX, ..every };
+        few.take_samples(&[8, 4, 2], &run).unwrap();
         let [mut all, mut known, mut wrong] = [[0u32; 2]; 3];
         for i in (0..90_000).filter(|i| buffer.covered.pixels()[*i]) {
             let pixel = (i % 300, i / 300);
