@@ -383,4 +383,35 @@ mod tests {
         assert!(differ < 20, "{differ}");
         assert_eq!(round(&graph, &cut, 0, PART), cut);
     }
+
+    #[test]
+    fn a_palette_is_rounded_as_each_of_its_pairs_is() {
+        // On the left black on white, on the right white on black; of three labels they are 0 on 1 and
+        // 2 on 1, far from each other.
+        let noise = |x: usize, y: usize| ((x / 3 * 7919 + y / 3 * 104_729) % 97) as f32 / 400.0;
+        let left = |x: usize, y: usize| if x < 28 { noise(x, y) - 0.1 } else { 4.0 };
+        let right = |x: usize, y: usize| if x >= 42 { noise(x, y) - 0.1 } else { -4.0 };
+        let graphs = [graph(70, 1.5, left), graph(70, 1.5, right)];
+        let cut = |g: &Graph| g.solve().unwrap().white.map(|w| u8::from(*w));
+        let both = |labels: [Plane<u8>; 2]| {
+            Plane::from_fn(70, 70, |x, y| match x < 35 {
+                true => labels[0][(x, y)],
+                false => 1 + labels[1][(x, y)],
+            })
+        };
+        let cuts = [cut(&graphs[0]), cut(&graphs[1])];
+        let pairs = [0, 1].map(|i| round(&graphs[i], &cuts[i], 3, PART));
+        assert!(pairs != cuts, "there is something to round");
+        let dear = 1 << 17;
+        let mut prices = Vec::new();
+        for p in (0..70 * 70).map(|i| (i % 70, i / 70)) {
+            let [black, white] = graphs[usize::from(p.0 >= 35)].terminal[p];
+            prices.extend(if p.0 < 35 { [black, white, dear] } else { [dear, black, white] });
+        }
+        let expected = both(pairs);
+        for by_step in [false, true] {
+            let costs = Costs { by_step, ..graphs[0].costs(&prices, 3) };
+            assert_eq!(costs.rounded(&both(cuts.clone()), 3).unwrap(), expected);
+        }
+    }
 }
