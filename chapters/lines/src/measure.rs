@@ -51,14 +51,7 @@ pub struct Measures {
 /// Measures a film.
 pub fn measure(film: &Film) -> Measures {
     let strokes = film.frames.iter().map(|f| f.strokes.len()).sum::<usize>();
-    let mut lives: BTreeMap<u32, [usize; 3]> = BTreeMap::new();
-    for (i, frame) in film.frames.iter().enumerate() {
-        for s in &frame.strokes {
-            let life = lives.entry(s.id).or_insert([i, i, 0]);
-            life[1] = i;
-            life[2] += 1;
-        }
-    }
+    let lives = lives(film);
     let last = film.frames.len().saturating_sub(1);
     let inside = |l: &[usize; 3]| usize::from(l[0] > 0) + usize::from(l[1] < last);
     let short = film.frames.iter().flat_map(|f| &f.strokes).filter(|s| s.total() < SHORT).count();
@@ -80,6 +73,20 @@ pub fn measure(film: &Film) -> Measures {
         split_share: share(stretches[1] as f64, stretches[0] as f64),
         overlap: doubled(film),
     }
+}
+
+/// Of each id: the first and the last frame in which it is seen, and in how many.
+fn lives(film: &Film) -> BTreeMap<u32, [usize; 3]> {
+    let mut lives: BTreeMap<u32, [usize; 3]> = BTreeMap::new();
+    for (i, frame) in film.frames.iter().enumerate() {
+        for s in &frame.strokes {
+            let life = lives.entry(s.id).or_insert([i, i, 1]);
+            // Its parts in one frame are one.
+            life[2] += usize::from(life[1] < i);
+            life[1] = i;
+        }
+    }
+    lives
 }
 
 impl Measures {

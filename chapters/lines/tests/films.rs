@@ -27,6 +27,7 @@ fn a_turning_torus_keeps_its_ids() {
     let m = measure(&film);
     assert!(m.one_to_one > 0.98, "{m:?}");
     assert!(m.strokes_per_frame < 20.0, "{m:?}");
+    assert!(m.mean_life_frames <= 12.0, "parts of a line in one frame are one: {m:?}");
     for frame in &film.frames {
         for (i, a) in frame.strokes.iter().enumerate() {
             let same = frame.strokes[..i].iter().filter(|b| b.id == a.id);

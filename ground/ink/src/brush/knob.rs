@@ -74,7 +74,7 @@ knobs! {
     /// What strokes look like.
     pub struct Brush {
         mark: Mark = Mark::Line, Choice(Mark::WORDS), "", "", "what a stroke is made of";
-        colour: String = "ink".into(), Text, "", "", "ink, paper, object, or any colour";
+        colour: String = "ink".into(), Text, "", "", "ink, paper, object, id (each line its own), or any colour";
         opacity: f32 = 1.0, Number { min: 0.0, max: 1.0 }, "", "", "of the ink; a stroke never darkens itself";
         width: f32 = 2.0, Number { min: 0.05, max: 200.0 }, "", "px", "width of the line at its widest pressure";
         pressure: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "share of the width that comes and goes along u";

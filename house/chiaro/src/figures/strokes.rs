@@ -164,7 +164,7 @@ fn cuts(sheet: &mut Sheet, run: &Run) -> Result<()> {
         let solved = &shot.solved;
         let caption = match solved.saved {
             Some(saved) => format!(
-                "{name}: {} charts of {:.1} frames, {:.1} strokes a frame; {} events, {} pairs, {} places cut",
+                "{name}: {} charts of {:.1} strokes, {:.1} strokes a frame; {} events, {} pairs, {} places cut",
                 solved.charts,
                 solved.lines as f64 / solved.charts.max(1) as f64,
                 m.strokes_per_frame,

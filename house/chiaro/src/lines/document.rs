@@ -1,6 +1,7 @@
 //! Lines as JSON, for other programs.
 //!
-//! Pixels to a thousandth, y down; world coordinates as they round to seven digits. The first sample
+//! Pixels to a thousandth, y down; world coordinates as they round to seven digits. Lines are followed a
+//! margin out of the picture; what is there is not `visible`. The first sample
 //! of a closed stroke is not repeated. `partner` is the correspondence along S of each sample: index of
 //! a stroke of the next frame, of a sample of it, and the share of the way from that to the one after.
 //! `u_period` is u once round a closed stroke, else null; `repeats` is after how much of u the texture begins
@@ -11,7 +12,7 @@ use super::style::{LineStyle, brush_settings};
 use super::{Look, Shot};
 use chiaro_basis::math::{DVec2, DVec3};
 use chiaro_ink::brush::Brush;
-use chiaro_lines::{FilmEvent, FilmFrame, Kind, Owner, Partner, Stroke};
+use chiaro_lines::{FilmEvent, FilmFrame, Kind, Owner, Partner, Stroke, View};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -106,11 +107,11 @@ fn frame(
     // Hidden parts have none.
     let partners = partners.iter().map(Vec::as_slice).chain(std::iter::repeat(&[][..]));
     let strokes = frame.strokes.iter().chain(&frame.hidden).zip(partners);
-    join(text, strokes, |t, (s, partners)| stroke(t, s, partners, brush(s)));
+    join(text, strokes, |t, (s, partners)| stroke(t, s, view, partners, brush(s)));
     text.push_str("]}");
 }
 
-fn stroke(text: &mut String, s: &Stroke, partners: &[Option<Partner>], brush: usize) {
+fn stroke(text: &mut String, s: &Stroke, view: &View, partners: &[Option<Partner>], brush: usize) {
     let _ = write!(
         text,
         "\n{{\"id\":{},\"type\":\"{}\",\"brush\":{brush},\"closed\":{},\"points\":[",
@@ -120,7 +121,9 @@ fn stroke(text: &mut String, s: &Stroke, partners: &[Option<Partner>], brush: us
     );
     join(text, s.samples.iter(), |t, p| point(t, p.at));
     text.push_str("],\"visible\":[");
-    join(text, s.samples.iter(), |t, _| t.push(if s.visible { '1' } else { '0' }));
+    join(text, s.samples.iter(), |t, p| {
+        t.push(if s.visible && view.holds(p.at, 0.0) { '1' } else { '0' });
+    });
     text.push_str("],\"u\":[");
     join(text, s.u.iter().take(s.samples.len()), |t, u| parameter(t, *u));
     text.push_str("],\"pixels_per_u\":");
@@ -201,14 +204,40 @@ fn float(text: &mut String, x: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chiaro_basis::math::Vec3;
+    use chiaro_lines::{Sample, surface::NONE};
+    use chiaro_scene::{Pose, Projection};
+
+    /// What is written of a stroke in a picture of 100 by 80 pixels.
+    fn written(s: &Stroke) -> Value {
+        let projection = Projection::Orthographic { half_height: 1.0 };
+        let pose = Pose::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, projection);
+        let mut text = String::new();
+        stroke(&mut text, s, &View::new(pose, (100, 80)), &[], 0);
+        serde_json::from_str(&text).unwrap()
+    }
+
+    #[test]
+    fn what_is_out_of_the_picture_is_not_visible() {
+        let sample = |x: f64| Sample {
+            at: DVec2::new(x, 40.0),
+            depth: 1.0,
+            world: DVec3::ZERO,
+            next_world: None,
+            next_at: None,
+            chain: 0,
+            on_chain: x,
+            normal: DVec3::Z,
+            faces: [NONE; 2],
+        };
+        let across = [-3.0, 0.0, 50.0, 100.0, 103.0].map(sample);
+        let seen = Stroke::through(Kind::Crease, false, across.to_vec());
+        assert_eq!(written(&seen)["visible"], json!([0, 1, 1, 1, 0]));
+        assert_eq!(written(&Stroke { visible: false, ..seen })["visible"], json!([0, 0, 0, 0, 0]));
+    }
 
     #[test]
     fn open_strokes_have_no_period_but_may_repeat() {
-        let written = |s: &Stroke| {
-            let mut text = String::new();
-            stroke(&mut text, s, &[], 0);
-            serde_json::from_str::<Value>(&text).unwrap()
-        };
         let open =
             Stroke { repeats: Some(2.0), ..Stroke::through(Kind::Crease, false, Vec::new()) };
         let value = written(&open);

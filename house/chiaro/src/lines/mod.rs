@@ -155,6 +155,13 @@ impl Shot {
     }
 }
 
+impl Shot {
+    /// Whether no frame has a line, seen or hidden.
+    fn is_empty(&self) -> bool {
+        self.film.frames.iter().all(|f| f.strokes.is_empty() && f.hidden.is_empty())
+    }
+}
+
 /// What the objects of a project's frames are called.
 fn names(project: &Project) -> Names {
     let scene = &project.scene;
@@ -218,6 +225,9 @@ impl Job<'_> {
         }
         if !missing.is_empty() || self.measure {
             let shot = Shot::track(self.project, camera, knobs, run)?;
+            if shot.is_empty() {
+                run.warn("no line of the scene is in the picture: --from, --look-at and --camera turn the eye");
+            }
             let job = Writing {
                 job: self,
                 shot: &shot,
