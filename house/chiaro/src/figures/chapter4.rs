@@ -272,7 +272,7 @@ fn event_picture(shot: &Shot, event: &FilmEvent, after: bool) -> Plane<[u8; 3]> 
 fn every_scene(sheet: &mut Sheet, run: &Run) -> Result<()> {
     let size = (360, 300);
     for suggestive in [false, true] {
-        for scene in demo::names().iter().filter(|n| !n.contains("field")) {
+        for scene in demo::names() {
             let knobs = LinesKnobs { suggestive, ..LinesKnobs::default() };
             let shot = shot(scene, 1, size, &knobs, run)?;
             let mut canvas = Canvas::new(size);

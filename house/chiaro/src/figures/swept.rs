@@ -32,7 +32,8 @@ pub(super) const FIGURES: [Figure; 3] = [
         name: "4.ids",
         title: "one colour an id",
         message: "Every fourth frame of a film: a line has its colour for as long as it is followed, \
-                  also where it merges with another or is hidden for a while.",
+                  also where it merges with another or is hidden for a while. The film: chiaro lines \
+                  demo:bumpy-torus --frames 1-48 --set colour=id -o ids.gif.",
         columns: 4,
         draw: ids,
     },
