@@ -62,6 +62,10 @@ impl<'a> Bunch<'a> {
         (centre, radius): (Vec3, f32),
         splats: &mut Vec<Splat>,
     ) {
+        if splat.marks {
+            splats.push(*splat);
+            return;
+        }
         let offset = centre - self.chooser.from;
         // A box as long as the sphere is wide.
         let half = Vec3::splat(radius * 3.0f32.sqrt().recip());

@@ -1,8 +1,8 @@
 //! The cut through the tree that a receiver sees, as splats (thesis, 6.3.2, Rendering).
 //!
 //! A node whose bounding sphere looks smaller than a threshold is splatted from its mean; any other
-//! is opened. Surfels nearer than the near field's radius are left out: rays look there. What a
-//! splat sends and how large it looks come from the node's own lobes:
+//! is opened. Surfels nearer than the near field's radius are left out: rays look there; where they are
+//! to be marked, nodes in that shell that look small mark as a whole. What a splat sends and how large it looks come from the node's own lobes:
 //! - radiance is light over area, the area not below a thousandth of the node's, both clamped at 0,
 //!   since a short series is negative in places and positive straight behind a disc;
 //! - flat nodes use the exact cosine and the two radiances of their front and back, solved from the
@@ -141,15 +141,16 @@ impl Chooser {
     ) -> [Verdict; LANES] {
         let (from, normal) = (self.from, self.above.unwrap_or(Vec3::ZERO));
         let (mut leave, mut splat) = ([0u32; LANES], [0u32; LANES]);
+        let hidden = self.hidden();
         for k in 0..LANES {
             let (dx, dy, dz) = (x[k] - from.x, y[k] - from.y, z[k] - from.z);
             let r = radius[k];
             let below = dx * normal.x + dy * normal.y + dz * normal.z + r < 0.0;
             let square = dx * dx + dy * dy + dz * dz;
             let small = std::f32::consts::PI * r * r <= self.threshold * square;
-            let reach = self.near + r;
-            leave[k] = u32::from(below);
-            splat[k] = u32::from(small & (square > reach * reach));
+            let [within, shell, clear] = self.parts(hidden, square, r);
+            leave[k] = u32::from(below | within);
+            splat[k] = u32::from(small & (clear | shell));
         }
         std::array::from_fn(|k| match (leave[k], splat[k]) {
             (1, _) => Verdict::Leave,
@@ -166,15 +167,38 @@ impl Chooser {
         }
         let square = offset.length_squared();
         let small = std::f32::consts::PI * radius * radius <= self.threshold * square;
-        let clear = square > (self.near + radius).powi(2);
-        if small && clear { Verdict::Splat } else { Verdict::Open }
+        match self.parts(self.hidden(), square, radius) {
+            [true, ..] => Verdict::Leave,
+            [_, shell, clear] if small && (shell || clear) => Verdict::Splat,
+            _ => Verdict::Open,
+        }
+    }
+
+    /// The radius within which nothing is splatted or marked.
+    fn hidden(&self) -> f32 {
+        self.near.min(self.mark)
+    }
+
+    /// Whether a sphere of a radius at a squared distance lies within that radius, between it and the near
+    /// field's where that is marked, and beyond both.
+    #[inline(always)]
+    fn parts(&self, hidden: f32, square: f32, radius: f32) -> [bool; 3] {
+        let (inner, outer) = (hidden + radius, self.near + radius);
+        let (deep, wide) = (hidden - radius, self.near - radius);
+        let within = (deep > 0.0) & (square <= deep * deep);
+        let marked = (hidden > 0.0) & (wide > 0.0);
+        [
+            within,
+            marked & (square > inner * inner) & (square <= wide * wide),
+            square > outer * outer,
+        ]
     }
 
     /// The records of which anything is seen, in a mask of bits.
     #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
     pub(crate) fn seen_of(&self, places: &Places) -> u32 {
         let from = self.from;
-        let near = self.near.min(self.mark).powi(2);
+        let near = self.hidden().powi(2);
         let (Places { position: [x, y, z], normal: [nx, ny, nz], both }, up) = (places, self.above);
         let up = up.unwrap_or(Vec3::ZERO);
         let least = if self.above.is_some() { 0.0 } else { -1.0 };
@@ -194,9 +218,7 @@ impl Chooser {
     /// What is seen of a surfel: its exact cosine, and nothing of a dead side.
     pub(crate) fn surfel(&self, surfel: &Surfel) -> Option<Splat> {
         let (direction, distance) = (surfel.position - self.from).normalize_and_length();
-        if distance <= self.near.min(self.mark)
-            || self.above.is_some_and(|n| direction.dot(n) <= 0.0)
-        {
+        if distance <= self.hidden() || self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
             return None;
         }
         let cosine = -surfel.normal.dot(direction);
@@ -298,6 +320,24 @@ mod tests {
         };
         assert!(fast.iter().any(|s| s.marks) && fast.iter().any(|s| !s.marks));
         assert_eq!(sorted(fast), sorted(slow));
+    }
+
+    #[test]
+    fn a_near_field_full_of_surfels_is_marked_by_few_nodes() {
+        let tree = Tree::build(&wall([true; 2]));
+        let from = Vec3::new(0.5, 0.5, 0.3);
+        let marked = |mark: f32| {
+            let chooser =
+                Chooser { from, threshold: 0.05, near: 1.0, mark, above: None, flat: true };
+            let mut splats = Vec::new();
+            chooser.cut(&tree, &mut splats);
+            assert!(splats.iter().all(|s| s.marks));
+            (splats.len(), splats.iter().map(|s| s.solid_angle).sum::<f32>())
+        };
+        let ((few, omega), (all, exact)) = (marked(0.01), marked(0.0));
+        assert!(all == 1024 && few < all / 2, "{few} {all}");
+        assert!((omega / exact - 1.0).abs() < 0.01, "{omega} {exact}");
+        assert_eq!(marked(1.0).0, 0);
     }
 
     #[test]

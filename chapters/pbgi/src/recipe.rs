@@ -42,8 +42,8 @@ pub enum Gains {
 }
 
 impl Default for Recipe {
-    /// One gain, 4 + 3 stages, 9 bytes. In `chiaro figures 6.rate` no code as small has more
-    /// decibels, and a gain of each colour has less than one decibel more for four bytes.
+    /// One gain, 4 + 3 stages, 9 bytes. In `chiaro figures 6.rate` no code of its size has more
+    /// decibels on the whole, and a gain of each colour has less than one decibel more for four bytes.
     fn default() -> Self {
         Self::residual(Gains::One, false, 4, 3)
     }

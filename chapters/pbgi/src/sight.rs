@@ -22,6 +22,8 @@ pub(crate) struct Sight {
     pub flatness: f32,
     /// Of the normal of a flat node and the direction back to the receiver.
     pub cosine: f32,
+    /// Whether it lies in the near field.
+    pub marks: bool,
 }
 
 /// How siblings are seen, side by side.
@@ -31,6 +33,8 @@ pub(crate) struct Sights {
     distance: [f32; FAN],
     flatness: [f32; FAN],
     cosine: [f32; FAN],
+    /// The near field's radius, scene units.
+    near: f32,
     /// Which are not under the tangent plane, in a mask of bits.
     pub above: u32,
     /// Which are flat and show their backs, in a mask of bits.
@@ -47,7 +51,8 @@ impl Chooser {
         let length = node.axis.length();
         let flatness = if self.flat { smooth(FLAT, length) } else { 0.0 };
         let cosine = -(node.axis / length).dot(direction);
-        Some(Sight { direction, distance, axis: node.axis, flatness, cosine })
+        let marks = distance <= self.near;
+        Some(Sight { direction, distance, axis: node.axis, flatness, cosine, marks })
     }
 
     /// How siblings are seen.
@@ -77,10 +82,12 @@ impl Chooser {
         }
         let mask = |bits: &[u32; FAN]| bits.iter().fold(0, |mask, bit| mask | bit);
         let (above, behind) = (mask(&above), mask(&behind));
+        let near = self.near;
         if !self.flat {
-            return Sights { direction, distance, flatness: [0.0; FAN], cosine, above, behind: 0 };
+            let flatness = [0.0; FAN];
+            return Sights { direction, distance, flatness, cosine, near, above, behind: 0 };
         }
-        Sights { direction, distance, flatness, cosine, above, behind }
+        Sights { direction, distance, flatness, cosine, near, above, behind }
     }
 }
 
@@ -93,6 +100,7 @@ impl Sights {
             axis,
             flatness: self.flatness[k],
             cosine: self.cosine[k],
+            marks: self.distance[k] <= self.near,
         }
     }
 }
@@ -107,7 +115,7 @@ impl Sight {
         sent: impl FnOnce(Vec3) -> Sent,
         face: impl FnOnce(usize) -> (f32, [f32; 3]),
     ) -> Option<Splat> {
-        let Self { direction, distance, axis, flatness, cosine } = *self;
+        let Self { direction, distance, axis, flatness, cosine, marks } = *self;
         let (mut area, mut radiance) = (0.0, [0.0; 3]);
         if flatness < 1.0 {
             let towards = sent(-direction);
@@ -123,7 +131,7 @@ impl Sight {
         }
         let solid_angle = area / (distance * distance);
         let axis = if axis.dot(direction) > 0.0 { -axis } else { axis };
-        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks: false };
+        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks };
         (solid_angle > 0.0).then_some(splat)
     }
 
