@@ -9,7 +9,7 @@
 //! 2. Within a block each frame is labelled by the cut of the window that begins with it, the frame
 //!    before being settled. Where the window reaches the next key, that is settled too.
 //! 3. What was cut is settled: pieces under the smallest island grow or take the colour around them,
-//!    whichever costs less in space and time, and new pieces that would be gone within the window go
+//!    whichever costs less in space and time, and new pieces that would be gone within two frames go
 //!    at once. The next window starts from that, so that what was removed does not come back by
 //!    itself, nor what has grown shrink.
 //!
@@ -33,6 +33,9 @@ use std::ops::Range;
 
 /// Frames from one key to the next.
 pub const BLOCK: usize = 16;
+
+/// Frames that a new piece must outlast.
+const LIFE: usize = 2;
 
 /// Which frames are cut together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -199,8 +202,8 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
 }
 
 /// The labels of the first frame of a window without specks, neither those of a small area nor
-/// those of a short life: a piece that is new and of which less than half is left at the window's
-/// end, or at any frame on the way, is taken away at once.
+/// those of a short life: a piece that is new and of which less than half is left in one of the next
+/// [`LIFE`] frames is taken away at once.
 fn settled(
     (labels, layer): (&[Plane<u8>], usize),
     cels: &[&Cel],
@@ -223,7 +226,7 @@ fn settled(
     }
     let mut lasts = vec![true; count];
     let mut owner = pieces.ids.clone();
-    for (cel, labels) in cels.iter().zip(labels).skip(1) {
+    for (cel, labels) in cels.iter().zip(labels).skip(1).take(LIFE) {
         let (mut kept, mut seen) = (vec![0u32; count], vec![0u32; count]);
         let from = owner;
         owner =

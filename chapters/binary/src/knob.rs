@@ -107,7 +107,7 @@ knobs! {
         smooth: f32 = 1.1, Number { min: 0.0, max: 10.0 }, "", "px at 480", "smoothing of borders after the cut";
 
         palette: String = String::new(), Text, "", "", "colours: a number of tones, colours from dark to light, or spot: and colours; empty: ink and paper";
-        coherence: f32 = 0.33, Number { min: 0.0, max: 1.0 }, "", "N~", "films: how strongly frames hold on to each other; 0: each frame on its own";
+        coherence: f32 = 0.3, Number { min: 0.0, max: 1.0 }, "", "N~", "films: how strongly frames hold on to each other; 0: each frame on its own";
         window: u32 = 5, Count { min: 2, max: 9 }, "", "frames", "films: frames that are cut together; 3 is faster";
 
         lines: bool = true, Switch, "", "", "whether lines are drawn on top";
