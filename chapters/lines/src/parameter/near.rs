@@ -5,7 +5,9 @@ use crate::view::View;
 use chiaro_basis::math::DVec2;
 
 /// Side of a cell, pixels.
-const CELL: f64 = 16.0;
+const CELL: f64 = 8.0;
+/// By which single precision may be off in the picture, pixels.
+const SLACK: f32 = 0.01;
 
 /// A segment between two samples of a stroke, or the one that closes it.
 #[derive(Clone, Copy, Debug)]
@@ -37,11 +39,36 @@ pub(crate) struct Hit {
     pub(crate) distance: f64,
 }
 
+/// A disc around a segment, by which most are known to be too far away.
+#[derive(Clone, Copy, Default)]
+struct Disc {
+    segment: u32,
+    middle: [f32; 2],
+    radius: f32,
+}
+
 /// The segments of a frame.
 pub(crate) struct Near {
     segments: Vec<Segment>,
-    cells: Vec<Vec<u32>>,
+    /// The discs of all cells, and where each cell's begin, and the end.
+    discs: Vec<Disc>,
+    starts: Vec<u32>,
     size: (usize, usize),
+}
+
+impl Disc {
+    fn of(index: usize, segment: &Segment) -> Self {
+        let [a, b] = segment.ends;
+        let middle = (0.5 * (a + b)).as_vec2().to_array();
+        Self { segment: index as u32, middle, radius: 0.5 * a.distance(b) as f32 + SLACK }
+    }
+
+    /// Whether some of it may be within a distance of a position.
+    fn meets(&self, at: [f32; 2], distance: f32) -> bool {
+        let [x, y] = [at[0] - self.middle[0], at[1] - self.middle[1]];
+        let most = distance + self.radius;
+        x * x + y * y <= most * most
+    }
 }
 
 impl Segment {
@@ -73,9 +100,9 @@ impl Near {
     pub(crate) fn of<'a>(strokes: impl Iterator<Item = &'a Stroke>, view: &View) -> Self {
         let cells = |n: usize| (n as f64 / CELL).ceil() as usize + 2;
         let size = (cells(view.size.0), cells(view.size.1));
-        let mut near =
-            Self { segments: Vec::new(), cells: vec![Vec::new(); size.0 * size.1], size };
+        let mut near = Self { segments: Vec::new(), discs: Vec::new(), starts: Vec::new(), size };
         strokes.enumerate().for_each(|(i, stroke)| near.add(i as u32, stroke));
+        near.sort();
         near
     }
 
@@ -84,22 +111,41 @@ impl Near {
         let count = if stroke.closed { s.len() } else { s.len().saturating_sub(1) };
         for k in 0..count {
             let (a, b) = (&s[k], &s[(k + 1) % s.len()]);
-            let segment = Segment {
+            self.segments.push(Segment {
                 stroke: index,
                 first: k as u32,
                 last: !stroke.closed && k + 1 == count,
                 open: !stroke.closed,
                 ends: [a.at, b.at],
                 depths: [a.depth, b.depth],
-            };
-            let (low, high) = (self.cell(a.at.min(b.at)), self.cell(a.at.max(b.at)));
-            for y in low.1..=high.1 {
-                for x in low.0..=high.0 {
-                    self.cells[y * self.size.0 + x].push(self.segments.len() as u32);
-                }
-            }
-            self.segments.push(segment);
+            });
         }
+    }
+
+    /// Puts the discs of the segments into the cells that their boxes meet.
+    fn sort(&mut self) {
+        let boxed = |s: &Segment| {
+            let [a, b] = s.ends;
+            self.rows(a.min(b), a.max(b)).flat_map(|[first, last]| first..=last)
+        };
+        let mut starts = vec![0u32; self.size.0 * self.size.1 + 1];
+        self.segments.iter().flat_map(boxed).for_each(|cell| starts[cell + 1] += 1);
+        (1..starts.len()).for_each(|c| starts[c] += starts[c - 1]);
+        let mut discs = vec![Disc::default(); starts[starts.len() - 1] as usize];
+        let mut free = starts.clone();
+        for (i, segment) in self.segments.iter().enumerate() {
+            for cell in boxed(segment) {
+                discs[free[cell] as usize] = Disc::of(i, segment);
+                free[cell] += 1;
+            }
+        }
+        (self.discs, self.starts) = (discs, starts);
+    }
+
+    /// The cells of a box, row by row: the first of a row's, and the last.
+    fn rows(&self, low: DVec2, high: DVec2) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let (low, high, width) = (self.cell(low), self.cell(high), self.size.0);
+        (low.1..=high.1).map(move |y| [y * width + low.0, y * width + high.0])
     }
 
     /// The cell of a position; what lies outside is in the outermost ones.
@@ -108,31 +154,90 @@ impl Near {
         (index(at.x, self.size.0), index(at.y, self.size.1))
     }
 
-    /// The nearest accepted place within `reach` pixels; `handicap` makes a place seem further, or
-    /// refuses it. Ties go to the lower index.
+    /// The nearest accepted place within `reach` pixels; `handicap` makes a place seem further by
+    /// so much (not less than 0), or refuses it. Ties go to the lower index.
     pub(crate) fn nearest(
         &self,
         at: DVec2,
         reach: f64,
         handicap: impl Fn(&Hit) -> Option<f64>,
     ) -> Option<Hit> {
-        let (low, high) = (self.cell(at - reach), self.cell(at + reach));
         let mut best: Option<(f64, u32, Hit)> = None;
-        for y in low.1..=high.1 {
-            for x in low.0..=high.0 {
-                for &i in &self.cells[y * self.size.0 + x] {
-                    let hit = self.segments[i as usize].hit(at);
-                    if hit.distance > reach {
-                        continue;
-                    }
-                    let Some(more) = handicap(&hit) else { continue };
-                    let key = hit.distance + more;
-                    if best.as_ref().is_none_or(|b| (key, i) < (b.0, b.1)) {
-                        best = Some((key, i, hit));
-                    }
+        let single = at.as_vec2().to_array();
+        for [first, last] in self.rows(at - reach, at + reach) {
+            let [from, to] = [first, last + 1].map(|c| self.starts[c] as usize);
+            for disc in &self.discs[from..to] {
+                // Nothing seems nearer than it is.
+                let most = best.as_ref().map_or(reach, |b| b.0.min(reach));
+                if !disc.meets(single, most as f32) {
+                    continue;
+                }
+                let i = disc.segment;
+                let hit = self.segments[i as usize].hit(at);
+                if hit.distance > most {
+                    continue;
+                }
+                let Some(more) = handicap(&hit) else { continue };
+                let key = hit.distance + more;
+                if best.as_ref().is_none_or(|b| (key, i) < (b.0, b.1)) {
+                    best = Some((key, i, hit));
                 }
             }
         }
         best.map(|b| b.2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Kind;
+    use crate::stroke::Sample;
+    use crate::surface::NONE;
+    use chiaro_basis::math::{DVec3, Vec3};
+    use chiaro_basis::random;
+
+    #[test]
+    fn the_grid_finds_what_looking_at_everything_finds() {
+        let projection = chiaro_scene::Projection::Orthographic { half_height: 1.0 };
+        let pose = chiaro_scene::Pose::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, projection);
+        let view = View::new(pose, (96, 64));
+        // In the picture and around it, short and long.
+        let some = |k: u32| f64::from(random::unit(7, u64::from(k)));
+        let place = |k: u32| DVec2::new(140.0 * some(2 * k) - 22.0, 110.0 * some(2 * k + 1) - 22.0);
+        let sample = |at: DVec2| Sample {
+            at,
+            depth: 1.0,
+            world: DVec3::ZERO,
+            next_world: None,
+            next_at: None,
+            chain: 0,
+            on_chain: 0.0,
+            normal: DVec3::Z,
+            faces: [NONE; 2],
+        };
+        let line = |l: u32| {
+            let step = if l.is_multiple_of(3) { 30.0 } else { 3.0 };
+            let samples = (0..6)
+                .map(|k| sample(place(7 * l) + step * (place(100 * l + k) - place(50)) / 100.0));
+            Stroke::through(Kind::Silhouette, l.is_multiple_of(2), samples.collect())
+        };
+        let strokes: Vec<Stroke> = (0..60).map(line).collect();
+        let near = Near::of(strokes.iter(), &view);
+        let handicap = |hit: &Hit| match hit.segment.stroke % 4 {
+            0 => None,
+            1 => Some(2.0),
+            _ => Some(0.0),
+        };
+        let mut found = 0;
+        for at in (0..500).map(|k| place(1000 + k)) {
+            let all = near.segments.iter().map(|s| s.hit(at)).filter(|h| h.distance <= 8.0);
+            let all = all.filter_map(|h| Some((h.distance + handicap(&h)?, h)));
+            let least = all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|a| a.1);
+            let key = |h: Hit| (h.segment.stroke, h.segment.first, h.distance);
+            assert_eq!(near.nearest(at, 8.0, handicap).map(key), least.map(key), "{at}");
+            found += usize::from(least.is_some());
+        }
+        assert!(found > 100, "{found}");
     }
 }
