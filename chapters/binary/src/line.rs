@@ -119,8 +119,7 @@ fn has_room(
     let holds = |i: usize| holds(if axis == 0 { (i, y) } else { (x, i) });
     let mut before = at.saturating_sub(least - 1)..=at;
     let mut after = at + 1..(at + 1 + least).min(end);
-    let own = |i| holds(i);
-    (!own(at) || before.all(own)) && (!own(at + 1) || after.all(own))
+    (!holds(at) || before.all(holds)) && (!holds(at + 1) || after.all(holds))
 }
 
 /// Where lines may run, whatever the labels: between which pixels there is a depth step, a crease,

@@ -72,7 +72,7 @@ fn books(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> 
         let all = [&lessons[i].0, &others, &varied];
         still(scene, SIZE, &knobs, run, |at| {
             let mut points = at.points(DENSE, run)?;
-            let records = at.records(&points);
+            let (records, cube) = (at.records(&points), at.cube(DENSE));
             let exact = Packed::build(&records);
             let mut nodes = Vec::new();
             exact.each_node(|node, sums| {
@@ -84,8 +84,7 @@ fn books(scenes: &[String], sheet: &mut Sheet, run: &Run) -> Result<Vec<Value>> 
                 let mut row = vec![name_of(scene).to_owned(), name.to_owned()];
                 for (source, lessons) in SOURCES.iter().zip(all) {
                     let book = stream::taught(lessons, &recipe, run)?;
-                    points.tree =
-                        Box::new(stream::coded_in_memory(&records, at.cube(DENSE), &book)?);
+                    points.tree = Box::new(stream::coded_in_memory(&records, cube, &book)?);
                     let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
                     let p99 = p99(&book, &nodes);
                     let psnr = near.psnr.map_or("same".into(), |p| format!("{p:.1}"));

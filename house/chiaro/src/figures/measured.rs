@@ -496,7 +496,7 @@ fn charts(
 /// All codes on one scene.
 fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
     let mut points = at.points(DENSE, run)?;
-    let records = at.records(&points);
+    let (records, cube) = (at.records(&points), at.cube(DENSE));
     let sparse = at.records(&at.points(SPARSE, run)?);
     let lessons = stream::lessons(&sparse, stream::LESSONS);
     let mut nodes = Vec::new();
@@ -512,7 +512,7 @@ fn compared(at: &Still, run: &Run) -> Result<Vec<Way>> {
     points.tree = Box::new(half);
     let near = nearness(&at.shown(&at.seen(&points, run)?, false), &truth)?;
     let coded = |book: &Book| -> Result<(Packed<Compact>, f64)> {
-        let tree = stream::coded_in_memory(&records, at.cube(DENSE), book)?;
+        let tree = stream::coded_in_memory(&records, cube, book)?;
         let bytes = tree.store.bytes() - tree.store.format.book.size();
         Ok((tree, bytes as f64 / surfels))
     };

@@ -153,9 +153,7 @@ impl Shot {
         }
         Ok(Self { camera, numbers, film, solved, names: names(project) })
     }
-}
 
-impl Shot {
     /// Whether no frame has a line, seen or hidden.
     fn is_empty(&self) -> bool {
         self.film.frames.iter().all(|f| f.strokes.is_empty() && f.hidden.is_empty())
