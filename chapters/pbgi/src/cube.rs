@@ -6,6 +6,7 @@
 //! that lies: light that grazes a receiver does not come from the middle of the texel above its plane.
 
 use crate::cut::Splat;
+use crate::sight::smooth;
 use chiaro_basis::math::Vec3;
 
 /// The faces of a cube with texels that hold radiance.
@@ -44,16 +45,16 @@ pub struct CubeShape {
     pub solid_angles: Vec<f32>,
 }
 
-/// Coverage above which a texel's radiance is divided by it.
-const NEARLY_FULL: f32 = 0.3;
-/// Coverage and what is near over which a surface is taken to go on in the near field.
-const GOES_ON: f32 = 0.7;
+/// Coverage between which a texel's radiance comes to be divided by it.
+const NEARLY_FULL: [f32; 2] = [0.2, 0.4];
+/// Coverage and what is near between which a surface is taken to go on in the near field.
+const GOES_ON: [f32; 2] = [0.6, 0.8];
 /// What looks larger reaches into any texel, steradians.
 const WIDE: f32 = 1.0;
-/// The least coverage that is divided by.
-const LEAST_COVERAGE: f32 = 0.05;
-/// The mean coverage of the texels around it that this takes.
-const CLOSED: f32 = 0.75;
+/// What has to be in a texel, far and near, for that.
+const SOME: [f32; 2] = [0.0, 0.1];
+/// The mean coverage of the texels around a nearly full one between which it comes to be closed.
+const CLOSED: [f32; 2] = [0.65, 0.85];
 
 impl CubeShape {
     /// A cube of `side` x `side` texels a face.
@@ -87,11 +88,12 @@ impl CubeShape {
         4.0 * std::f32::consts::PI / (6 * self.side * self.side) as f32
     }
 
-    /// The solid angle under a square.
-    fn under(&self, square: &Square) -> f32 {
+    /// The solid angle under squares.
+    fn under(&self, squares: &Squares) -> f32 {
         let mut sum = 0.0;
         // All faces are alike.
-        square.each(self.side, |texel, share, _| sum += share * self.solid_angles[texel]);
+        let mut add = |texel: usize, share: f32, _| sum += share * self.solid_angles[texel];
+        squares.iter().for_each(|square| square.each(self.side, &mut add));
         sum
     }
 
@@ -120,37 +122,67 @@ pub(crate) fn on_face(face: usize, u: f32, v: f32) -> Vec3 {
     d
 }
 
-/// A square on a face, in texels.
+/// A square on a face, in texels, as far as it lies on it.
+#[derive(Clone, Copy)]
 struct Square {
     face: usize,
     low: [f32; 2],
     high: [f32; 2],
 }
 
-impl Square {
-    /// The square of a splat's solid angle about its direction, moved inside the face.
-    fn of(splat: &Splat, side: usize) -> Self {
-        let (face, u, v) = face_of(splat.direction);
+/// What a splat covers: a square about its direction, and where that crosses an edge or a corner of the cube what
+/// lies beyond on the faces there.
+struct Squares {
+    all: [Square; 3],
+    count: usize,
+}
+
+impl Squares {
+    /// `factor` times as wide as the square of the splat's solid angle.
+    #[inline]
+    fn of(splat: &Splat, side: usize, factor: f32) -> Self {
         let n = side as f32;
-        let root = 0.25 * n * splat.solid_angle.sqrt();
-        let place = |t: f32, half: f32| ((0.5 * t + 0.5) * n).clamp(half, n - half);
-        let (mut x, mut y, mut half) = (u, v, 0.0);
-        // A face's area element is (1 + u^2 + v^2)^(3/2) solid angles; where the square ends up
-        // tells its size, and its size where it ends up.
-        for _ in 0..2 {
-            let square = 1.0 + x * x + y * y;
-            half = (root * (square * square.sqrt()).sqrt()).min(0.5 * n);
-            (x, y) = (place(u, half) * 2.0 / n - 1.0, place(v, half) * 2.0 / n - 1.0);
+        let root = 0.25 * n * factor * splat.solid_angle.sqrt();
+        let d = splat.direction;
+        let (face, u, v) = face_of(d);
+        let (first, over) = Square::at(face, [u, v], root, n);
+        let mut squares = Self { all: [first; 3], count: 1 };
+        for (i, over) in over.into_iter().enumerate() {
+            let axis = (face / 2 + 1 + i) % 3;
+            if over && d[axis] != 0.0 {
+                squares.add_beyond(d, axis, root, n);
+            }
         }
-        let centre = [place(u, half), place(v, half)];
-        Self { face, low: centre.map(|c| c - half), high: centre.map(|c| c + half) }
+        squares
     }
 
-    /// Makes it wider by a factor, inside its face of `n` texels.
-    fn grow(&mut self, factor: f32, n: f32) {
-        let half = (0.5 * factor * (self.high[0] - self.low[0])).min(0.5 * n);
-        let centre = [0, 1].map(|i| (0.5 * (self.low[i] + self.high[i])).clamp(half, n - half));
-        (self.low, self.high) = (centre.map(|c| c - half), centre.map(|c| c + half));
+    /// Adds what lies on the face of an axis that is not the direction's own.
+    fn add_beyond(&mut self, d: Vec3, axis: usize, root: f32, n: f32) {
+        let place = [1, 2].map(|i| d[(axis + i) % 3] / d[axis].abs());
+        let (square, _) = Square::at(2 * axis + usize::from(d[axis] < 0.0), place, root, n);
+        if square.low[0] < square.high[0] && square.low[1] < square.high[1] {
+            self.all[self.count] = square;
+            self.count += 1;
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Square> {
+        self.all[..self.count].iter()
+    }
+}
+
+impl Square {
+    /// The square about a place on a face's plane, of a solid angle of which `root` is a quarter of the root times
+    /// the `n` texels along a side; and which of its coordinates go over an edge.
+    #[inline]
+    fn at(face: usize, [u, v]: [f32; 2], root: f32, n: f32) -> (Self, [bool; 2]) {
+        // A face's area element is (1 + u^2 + v^2)^(3/2) solid angles.
+        let square = 1.0 + u.abs().min(1.0).powi(2) + v.abs().min(1.0).powi(2);
+        let half = (root * (square * square.sqrt()).sqrt()).min(0.5 * n);
+        let centre = [u, v].map(|t| (0.5 * t + 0.5) * n);
+        let over = centre.map(|c| c < half || c > n - half);
+        let [low, high] = [-half, half].map(|h| centre.map(|c| (c + h).clamp(0.0, n)));
+        (Self { face, low, high }, over)
     }
 
     /// Calls `each` with every texel of the face that it covers, the share covered, and where that lies from the
@@ -216,18 +248,21 @@ impl CubeBuffer {
     /// Adds one splat behind all that are there. What it covers in all, before anything hides it, is
     /// its solid angle.
     pub fn add(&mut self, splat: &Splat) {
-        let mut square = Square::of(splat, self.shape.side);
-        let mut solid_angle = self.shape.under(&square);
+        let side = self.shape.side;
+        let mut squares = Squares::of(splat, side, 1.0);
+        let mut solid_angle = self.shape.under(&squares);
         if solid_angle < splat.solid_angle {
-            square.grow((splat.solid_angle / solid_angle).sqrt(), self.shape.side as f32);
-            solid_angle = self.shape.under(&square);
+            squares = Squares::of(splat, side, (splat.solid_angle / solid_angle).sqrt());
+            solid_angle = self.shape.under(&squares);
         }
         // The area element varies over a square; what is too much or too little is spread over it.
         let scale = if solid_angle > 0.0 { splat.solid_angle / solid_angle } else { 0.0 };
-        let base = square.face * self.shape.side * self.shape.side;
-        square.each(self.shape.side, |texel, share, place| {
-            self.texels[base + texel].cover(splat, (share * scale).min(1.0), place);
-        });
+        for square in squares.iter() {
+            let base = square.face * side * side;
+            square.each(side, |texel, share, place| {
+                self.texels[base + texel].cover(splat, (share * scale).min(1.0), place);
+            });
+        }
     }
 
     /// Fills a texel with a flat piece of surface.
@@ -256,9 +291,10 @@ impl CubeBuffer {
                 texels.fill(true);
                 return;
             }
-            let square = Square::of(&Splat { solid_angle, ..*disc }, side);
-            let base = square.face * side * side;
-            square.each(side, |texel, _, _| texels[base + texel] = true);
+            for square in Squares::of(&Splat { solid_angle, ..*disc }, side, 1.0).iter() {
+                let base = square.face * side * side;
+                square.each(side, |texel, _, _| texels[base + texel] = true);
+            }
         }
     }
 
@@ -296,25 +332,35 @@ impl CubeBuffer {
         on_face(face, at(x, t.place[0]), at(y, t.place[1])).normalize()
     }
 
-    /// A texel's radiance seen by the receiver: divided by its coverage where it is closed.
+    /// A texel's radiance seen by the receiver: divided by its coverage as far as it is closed.
     pub fn radiance(&self, texel: usize) -> [f32; 3] {
         let t = &self.texels[texel];
-        if self.is_closed(texel) { t.light.map(|l| l / t.coverage) } else { t.light }
+        let closed = self.closed(texel);
+        let more = if closed > 0.0 { 1.0 - closed + closed / t.coverage } else { 1.0 };
+        t.light.map(|l| l * more)
     }
 
     /// The share of a texel behind which nothing is seen, by the same rule.
     pub fn coverage(&self, texel: usize) -> f32 {
-        if self.is_closed(texel) { 1.0 } else { self.texels[texel].coverage }
+        let t = &self.texels[texel];
+        t.coverage + self.closed(texel) * (1.0 - t.coverage)
     }
 
-    /// Whether the holes of a texel are but cracks between splats: where it is nearly full in closed
-    /// surroundings; or where a surface that fills it goes on in the near field.
-    fn is_closed(&self, texel: usize) -> bool {
+    /// How far the holes of a texel are but cracks between splats: as far as it is nearly full in closed
+    /// surroundings, or as a surface that fills it goes on in the near field. In between nothing flips.
+    fn closed(&self, texel: usize) -> f32 {
         let t = &self.texels[texel];
-        let goes_on = t.near > 0.0 && t.coverage > LEAST_COVERAGE && t.coverage + t.near > GOES_ON;
-        (t.coverage > NEARLY_FULL || goes_on)
-            && t.coverage < 1.0
-            && (goes_on || self.around(texel) > CLOSED)
+        if t.coverage <= 0.0 || t.coverage >= 1.0 {
+            return 0.0;
+        }
+        let goes_on =
+            smooth(SOME, t.coverage) * smooth(SOME, t.near) * smooth(GOES_ON, t.coverage + t.near);
+        let full = smooth(NEARLY_FULL, t.coverage);
+        if goes_on >= 1.0 || full <= 0.0 {
+            goes_on
+        } else {
+            goes_on.max(full * smooth(CLOSED, self.around(texel)))
+        }
     }
 
     /// The mean coverage of the texels around one, on its face.
@@ -407,6 +453,61 @@ mod tests {
                 .sum();
             assert!((covered / omega - 1.0).abs() < 0.03, "{direction} {omega}: {covered}");
         }
+    }
+
+    /// Splats over an edge and over a corner of the cube, moved a little across it, cover what they covered.
+    #[test]
+    fn nothing_jumps_over_an_edge_or_a_corner() {
+        let covered = |direction: Vec3, solid_angle: f32| {
+            let mut buffer = CubeBuffer::new(CubeShape::new(10));
+            let (radiance, axis) = ([1.0; 3], Vec3::ZERO);
+            let distance = 1.0;
+            buffer.add(&Splat { direction, distance, solid_angle, radiance, axis, marks: false });
+            buffer.texels().iter().map(|t| t.coverage).collect::<Vec<f32>>()
+        };
+        for (over, across) in [
+            (Vec3::new(1.0, 0.2, 1.0), Vec3::X),
+            (Vec3::new(-1.0, -1.0, 0.5), Vec3::Y),
+            (Vec3::new(1.0, -1.0, 1.0), Vec3::new(0.3, 1.0, -0.5)),
+        ] {
+            for omega in [0.003, 0.02, 0.1] {
+                let [a, b] = [-1e-3, 1e-3].map(|t| covered((over + t * across).normalize(), omega));
+                let (apart, all) = (
+                    a.iter().zip(&b).map(|(a, b)| (a - b).abs()).sum::<f32>(),
+                    a.iter().sum::<f32>(),
+                );
+                assert!(apart < 0.06 * all, "{over} {omega}: {apart} of {all}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_texel_closes_without_a_jump() {
+        let shape = CubeShape::new(4);
+        let middle = 5;
+        let seen = |own: f32, around: f32, near: f32| {
+            let mut buffer = CubeBuffer::new(shape.clone());
+            for i in 0..16 {
+                let share = if i == middle { own } else { around };
+                buffer.fill(i, [1.0; 3], 2.0, (share, [0.0; 2]));
+            }
+            buffer.texels[middle].near = near;
+            (buffer.radiance(middle)[0], buffer.coverage(middle))
+        };
+        for k in 0..1000 {
+            let t = k as f32 * 1e-3;
+            for [a, b] in [
+                [seen(t, 1.0, 0.0), seen(t + 1e-3, 1.0, 0.0)],
+                [seen(0.5, t, 0.0), seen(0.5, t + 1e-3, 0.0)],
+                [seen(0.2, 0.0, t), seen(0.2, 0.0, t + 1e-3)],
+                [seen(t, 0.0, 0.7), seen(t + 1e-3, 0.0, 0.7)],
+            ] {
+                assert!((a.0 - b.0).abs() < 0.03 && (a.1 - b.1).abs() < 0.03, "{t} {a:?} {b:?}");
+            }
+        }
+        assert_eq!(seen(0.5, 1.0, 0.0), (1.0, 1.0));
+        assert_eq!(seen(0.5, 0.3, 0.0), (0.5, 0.5));
+        assert_eq!(seen(0.2, 0.0, 0.8), (1.0, 1.0));
     }
 
     #[test]

@@ -146,7 +146,8 @@ impl Sight {
     }
 }
 
-fn smooth([low, high]: [f32; 2], x: f32) -> f32 {
+/// From 0 to 1 between two edges.
+pub(crate) fn smooth([low, high]: [f32; 2], x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
