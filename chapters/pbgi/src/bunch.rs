@@ -8,6 +8,7 @@
 use crate::cut::{Chooser, Splat};
 use crate::packed::Record;
 use chiaro_basis::math::Vec3;
+use std::f32::consts::FRAC_1_PI;
 
 /// What is seen of some neighbours.
 pub(crate) struct Bunch<'a> {
@@ -44,8 +45,9 @@ impl<'a> Bunch<'a> {
         let chooser = self.chooser;
         let offset = record.position - chooser.from;
         let square = offset.length_squared();
-        if square <= chooser.near * chooser.near {
-            splats.extend(chooser.surfel(record));
+        let radius = (record.area * FRAC_1_PI).sqrt();
+        if chooser.near > 0.0 && square < (chooser.near + radius).powi(2) {
+            splats.extend(chooser.surfel(record).into_iter().flatten());
             return;
         }
         let facing = -record.normal.dot(offset);
@@ -138,7 +140,7 @@ mod tests {
         let (mut bunch, mut splats) = (Bunch::new(&chooser, 0.01), Vec::new());
         records.iter().for_each(|r| bunch.add(r, &mut splats));
         bunch.splat(&mut splats);
-        let each: Vec<Splat> = records.iter().filter_map(|r| chooser.surfel(r)).collect();
+        let each: Vec<Splat> = records.iter().flat_map(|r| chooser.surfel(r)).flatten().collect();
         let sum = |of: &dyn Fn(&Splat) -> f32, splats: &[Splat]| splats.iter().map(of).sum::<f32>();
         for of in [&|s: &Splat| s.solid_angle, &|s: &Splat| s.solid_angle * s.radiance[0]]
             as [&dyn Fn(&Splat) -> f32; 2]

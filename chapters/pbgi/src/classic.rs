@@ -410,7 +410,7 @@ impl Hierarchy for Classic {
     fn cut(&self, chooser: &Chooser, splats: &mut Vec<Splat>) -> u64 {
         if self.count < 2 {
             let one = (self.count == 1).then(|| self.record(0, (self.positions[0], 0.0)));
-            splats.extend(one.and_then(|r| chooser.surfel(&r)));
+            splats.extend(one.into_iter().flat_map(|r| chooser.surfel(&r)).flatten());
             return self.count as u64;
         }
         let mut visited = 0;
@@ -436,7 +436,8 @@ impl Hierarchy for Classic {
                         if count > 1 {
                             open.push((node, first, count));
                         } else {
-                            splats.extend(chooser.surfel(&self.record(first, (centre, radius))));
+                            let record = self.record(first, (centre, radius));
+                            splats.extend(chooser.surfel(&record).into_iter().flatten());
                         }
                     }
                 }

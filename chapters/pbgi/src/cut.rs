@@ -15,6 +15,7 @@ use crate::surfel::Surfel;
 use crate::tree::{Node, Tree};
 use crate::wide::{LANES, NONE};
 use chiaro_basis::math::Vec3;
+use std::f32::consts::FRAC_1_PI;
 
 /// What a receiver sees of a node or a surfel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,7 +125,7 @@ impl Chooser {
                 } else if node.count > 0 {
                     let (first, count) = (node.first as usize, node.count as usize);
                     let surfels = &tree.surfels[first..first + count];
-                    splats.extend(surfels.iter().filter_map(|s| self.surfel(s)));
+                    splats.extend(surfels.iter().flat_map(|s| self.surfel(s)).flatten());
                 }
                 lane += 1;
             }
@@ -215,20 +216,32 @@ impl Chooser {
         mask(&seen) & (mask(&faces) | both)
     }
 
-    /// What is seen of a surfel: its exact cosine, and nothing of a dead side.
-    pub(crate) fn surfel(&self, surfel: &Surfel) -> Option<Splat> {
+    /// What is seen of a surfel by its exact cosine, and nothing of a dead side: the part of its disc beyond the near
+    /// field, and the part that marks.
+    pub(crate) fn surfel(&self, surfel: &Surfel) -> [Option<Splat>; 2] {
         let (direction, distance) = (surfel.position - self.from).normalize_and_length();
         if distance <= self.hidden() || self.above.is_some_and(|n| direction.dot(n) <= 0.0) {
-            return None;
+            return [None; 2];
         }
         let cosine = -surfel.normal.dot(direction);
         let side = usize::from(cosine < 0.0);
         let solid_angle = surfel.side_area(side) * cosine.abs() / (distance * distance);
         let radiance = surfel.radiance[side];
         let axis = if side == 0 { surfel.normal } else { -surfel.normal };
-        let marks = distance <= self.near;
-        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks };
-        (solid_angle > 0.0).then_some(splat)
+        let far = self.beyond(distance, surfel.area, cosine);
+        [(far, false), (1.0 - far, true)].map(|(share, marks)| {
+            let solid_angle = share * solid_angle;
+            let splat = Splat { direction, distance, solid_angle, radiance, axis, marks };
+            (solid_angle > 0.0).then_some(splat)
+        })
+    }
+
+    /// The share of a disc of an area beyond the near field's sphere, which it crosses on its slant: so
+    /// that nothing flips where a surfel moves a little.
+    fn beyond(&self, distance: f32, area: f32, cosine: f32) -> f32 {
+        let half = (area * (1.0 - cosine * cosine).max(0.0) * FRAC_1_PI).sqrt();
+        let past = distance - self.near;
+        if past.abs() >= half { f32::from(past > 0.0) } else { 0.5 + 0.5 * past / half }
     }
 }
 
@@ -307,7 +320,9 @@ mod tests {
                 }
                 Verdict::Open => {
                     let range = node.first as usize..(node.first + node.count) as usize;
-                    slow.extend(tree.surfels[range].iter().filter_map(|s| chooser.surfel(s)));
+                    slow.extend(
+                        tree.surfels[range].iter().flat_map(|s| chooser.surfel(s)).flatten(),
+                    );
                 }
             }
         }
@@ -338,6 +353,37 @@ mod tests {
         assert!(all == 1024 && few < all / 2, "{few} {all}");
         assert!((omega / exact - 1.0).abs() < 0.01, "{omega} {exact}");
         assert_eq!(marked(1.0).0, 0);
+    }
+
+    #[test]
+    fn a_surfel_comes_out_of_the_near_field_by_and_by() {
+        let normal = Vec3::new(0.6, 0.0, 0.8);
+        let chooser = |near: f32| {
+            let (from, threshold, mark) = (Vec3::ZERO, 0.01, 0.5 * near);
+            Chooser { from, threshold, near, mark, above: None, flat: true }
+        };
+        let surfel = Surfel {
+            position: Vec3::Z,
+            normal,
+            area: 0.03,
+            alive: [true; 2],
+            albedo: [0.5; 3],
+            radiance: [[1.0; 3]; 2],
+        };
+        let omega = |near: f32| {
+            chooser(near).surfel(&surfel).map(|s| s.map_or(0.0, |splat| splat.solid_angle))
+        };
+        let all = omega(0.0)[0];
+        let reach = 0.6 * (surfel.area * FRAC_1_PI).sqrt();
+        assert_eq!(
+            (omega(1.0 - 1.01 * reach), omega(1.0 + 1.01 * reach)),
+            ([all, 0.0], [0.0, all])
+        );
+        for k in 0..200 {
+            let near = 0.9 + 1e-3 * k as f32;
+            let [[far, marks], [then, _]] = [omega(near), omega(near + 1e-3)];
+            assert!((far + marks - all).abs() < 1e-6 && (0.0..0.02 * all).contains(&(far - then)));
+        }
     }
 
     #[test]
