@@ -4,10 +4,14 @@
 //! head, 11 bytes    gain of colours (2), their range (1), that of areas (1), half a box's sides over
 //!                   the sphere's radius (3), which surfels have two living sides (2), where
 //!                   their second colours begin among the part's (2)
-//! surfel, 6 bytes   position in the box 3 x 6 bits, normal 2 x 6 (octahedral), area 1,
+//! surfel, 6 bytes   position in the box 18 bits, normal 2 x 6 (octahedral), area 1,
 //!                   colour 17: sum 7, shares of red and green 5 each
 //! second, 2 bytes   colour of the other side: sum 6, shares 5 each
 //! ```
+//!
+//! The box is sheared: along the axis that the normals are nearest to it holds heights over the plane across
+//! their mean, and the bits of positions go to the sides that are long. So what is flat stays flat in
+//! any direction, and has eight or nine bits a coordinate.
 //!
 //! A surfel whose front is dead is turned over. Sums of colours lie in even steps between the block's least
 //! and greatest, in octaves, and so do areas. What rounding takes from a normal, an area or a colour goes to the
@@ -25,18 +29,16 @@ const HEAD: usize = 11;
 /// Bytes of a block without second sides.
 pub(crate) const BLOCK_BYTES: usize = HEAD + BLOCK * RECORD;
 
-/// Bits of a coordinate, of a normal's, of an area, and of a front's sum and a back's.
-const PLACE: u32 = 6;
+/// Bits of a position, of a normal's coordinate, of an area, and of a front's sum and a back's.
+const PLACE: u32 = 18;
 const NORMAL: u32 = 6;
 const AREA: u32 = 1;
 const SUM: u32 = 7;
 const SECOND_SUM: u32 = 6;
 /// Where a surfel's bits begin.
-const NORMAL_AT: u32 = 3 * PLACE;
+const NORMAL_AT: u32 = PLACE;
 const AREA_AT: u32 = NORMAL_AT + 2 * NORMAL;
 const COLOUR_AT: u32 = AREA_AT + AREA;
-/// Steps of a position from the middle of the box.
-const STEPS: f32 = ((1 << (PLACE - 1)) - 1) as f32;
 /// Units of a sum to a sixteenth of an octave: twice the steps from 1 to the last.
 const UNITS: u32 = 252;
 /// The last step of a front's sum. A back's goes half as far.
@@ -48,6 +50,8 @@ const AREA_STEPS: f32 = 32.0;
 const RANGE_STEPS: f32 = 16.0;
 /// Ten octaves: what is darker by more is black, or as bright as that.
 const MOST_RANGE: f32 = 10.0 * RANGE_STEPS;
+/// How much of the octahedron's radius the mean of normals has to be to make a plane.
+const LEAST_MEAN: f32 = 0.25;
 /// What a normal may owe the next.
 const OWED: f32 = 0.1;
 
@@ -61,10 +65,96 @@ struct Head {
     /// Sixteenths of an octave.
     range: u32,
     areas: f32,
-    /// Half the sides of the box over steps.
-    step: Vec3,
+    grid: Grid,
     both: u32,
     second: usize,
+}
+
+/// The grid of a block's positions.
+#[derive(Clone, Copy, Debug)]
+struct Grid {
+    bits: [u32; 3],
+    step: [f32; 3],
+}
+
+/// How the bits of positions are shared out by the lengths in bits of a box's sides.
+static SPLITS: LazyLock<[[[[u8; 3]; 9]; 9]; 9]> = LazyLock::new(|| {
+    std::array::from_fn(|x| std::array::from_fn(|y| std::array::from_fn(|z| split([x, y, z]))))
+});
+
+/// Each bit to the axis whose steps are longest.
+fn split(sides: [usize; 3]) -> [u8; 3] {
+    let mut bits = [0; 3];
+    for _ in 0..PLACE {
+        let step = |i: usize| (sides[i] > 0, sides[i] as i32 - i32::from(bits[i]));
+        let longest = (1..3).fold(0, |m, i| if step(i) > step(m) { i } else { m });
+        bits[longest] += 1;
+    }
+    bits
+}
+
+impl Grid {
+    /// By half a box's sides, in `unit`s.
+    fn new(sides: [u8; 3], unit: f32) -> Self {
+        let [x, y, z] = sides.map(|s| (u8::BITS - s.leading_zeros()) as usize);
+        let bits = SPLITS[x][y][z].map(u32::from);
+        let step = |i: usize| 2.0 * unit * f32::from(sides[i]) / ((1 << bits[i]) - 1).max(1) as f32;
+        Self { bits, step: std::array::from_fn(step) }
+    }
+
+    /// The middle of an axis, in steps.
+    fn middle(self, axis: usize) -> f32 {
+        0.5 * ((1 << self.bits[axis]) - 1) as f32
+    }
+
+    /// Where the bits of an axis begin.
+    fn at(self, axis: usize) -> u32 {
+        self.bits[..axis].iter().sum()
+    }
+
+    fn encode(self, place: [f32; 3]) -> u64 {
+        (0..3).fold(0, |code, i| {
+            let steps = place[i] / self.step[i].max(f32::MIN_POSITIVE) + self.middle(i);
+            code | (steps.round().clamp(0.0, 2.0 * self.middle(i)) as u64) << self.at(i)
+        })
+    }
+}
+
+/// The plane through the middle of a block, across the mean of its normals: heights over it along an axis take the
+/// place of that axis.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    axis: usize,
+    /// Along the next axis and the one after it.
+    slope: [f32; 2],
+}
+
+impl Plane {
+    fn new(normal: &[[f32; BLOCK]; 3]) -> Self {
+        let mean = normal.map(|mut lanes| {
+            let mut half = BLOCK / 2;
+            while half > 0 {
+                (0..half).for_each(|k| lanes[k] += lanes[k + half]);
+                half /= 2;
+            }
+            lanes[0]
+        });
+        let axis = (1..3).fold(0, |m, i| if mean[i].abs() > mean[m].abs() { i } else { m });
+        let along = |i: usize| -mean[(axis + i) % 3] / mean[axis];
+        let agree = mean[axis].abs() > LEAST_MEAN * BLOCK as f32;
+        Self { axis, slope: if agree { [along(1), along(2)] } else { [0.0; 2] } }
+    }
+
+    fn others(self) -> [usize; 2] {
+        [(self.axis + 1) % 3, (self.axis + 2) % 3]
+    }
+
+    fn height(self, offset: Vec3) -> [f32; 3] {
+        let mut place = offset.to_array();
+        let [u, v] = self.others();
+        place[self.axis] -= self.slope[0] * place[u] + self.slope[1] * place[v];
+        place
+    }
 }
 
 /// Sums over the gain, by octaves: parts of the range in units.
@@ -78,12 +168,11 @@ fn power(units: usize) -> f32 {
 impl Head {
     fn read(bytes: &[u8], radius: f32, top_light: f32) -> Self {
         let two = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
-        let side = |at: usize| f32::from(bytes[at]);
         Self {
             gain: from_float16(two(0), top_light),
             range: u32::from(bytes[2]) + 1,
             areas: f32::from(bytes[3]) / AREA_STEPS,
-            step: vec3(side(4), side(5), side(6)) * (radius / (255.0 * STEPS)),
+            grid: Grid::new([bytes[4], bytes[5], bytes[6]], radius / 255.0),
             both: two(7).into(),
             second: two(9).into(),
         }
@@ -139,7 +228,10 @@ pub(crate) fn encode(
     // Sums of areas are rounded: what differs by less than that does not differ.
     let areas =
         if apart < 2e-3 { 0.0 } else { (AREA_STEPS * apart / HALF_AREAS).ceil().min(255.0) };
-    let half = records.iter().fold(Vec3::ZERO, |m, r| m.max((r.position - centre).abs()));
+    let normals = normals(records);
+    let plane = Plane::new(&unfolded_lanes(&normals.map(|code| code as u32)));
+    let height = |r: &Record| Vec3::from(plane.height(r.position - centre));
+    let half = records.iter().fold(Vec3::ZERO, |m, r| m.max(height(r).abs()));
     let sides_of_box = half * (255.0 / radius.max(f32::MIN_POSITIVE));
     bytes.extend(gain.to_le_bytes());
     bytes.extend([range as u8, areas as u8]);
@@ -148,8 +240,9 @@ pub(crate) fn encode(
     bytes.extend(((seconds.len() / SECOND) as u16).to_le_bytes());
     let head = Head::read(&bytes[start..], radius, top_light);
     let mut owed = Owed::default();
-    for r in records {
-        let code = owed.encode(&head, centre, base, r);
+    for (r, normal) in records.iter().zip(normals) {
+        let place = head.grid.encode(height(r).to_array());
+        let code = place | normal << NORMAL_AT | owed.encode(&head, base, r);
         bytes.extend(&code.to_le_bytes()[..RECORD]);
         if r.alive[1] {
             let (step, value) = (|sum| head.step_of(sum, 2), |step| head.sum(of_half(step)));
@@ -157,7 +250,8 @@ pub(crate) fn encode(
             seconds.extend((code as u16).to_le_bytes());
         }
     }
-    bytes.resize(start + BLOCK_BYTES, 0);
+    let rest = (normals[BLOCK - 1] << NORMAL_AT).to_le_bytes();
+    (records.len()..BLOCK).for_each(|_| bytes.extend(&rest[..RECORD]));
 }
 
 /// The front's step that is a back's.
@@ -165,33 +259,40 @@ fn of_half(step: u32) -> u32 {
     if step == 0 { 0 } else { 2 * step + 1 }
 }
 
+/// The codes of normals. What is missing has the last one.
+fn normals(records: &[Record]) -> [u64; BLOCK] {
+    let mut owed = Vec3::ZERO;
+    let mut last = 0;
+    std::array::from_fn(|k| {
+        if let Some(r) = records.get(k) {
+            let square = octahedral(r.normal + owed).map(|c| grid(c, NORMAL));
+            let coded = unfolded(square.map(|c| from_grid(c, NORMAL))).normalize_or(Vec3::Z);
+            owed = (owed + r.normal - coded).clamp_length_max(OWED);
+            let [x, y] = square.map(u64::from);
+            last = x | y << NORMAL;
+        }
+        last
+    })
+}
+
 /// What rounding took from the surfels before.
 #[derive(Default)]
 struct Owed {
-    normal: Vec3,
     area: f32,
     front: Carry,
     back: Carry,
 }
 
 impl Owed {
-    fn encode(&mut self, head: &Head, centre: Vec3, base: f32, r: &Record) -> u64 {
-        let place = (r.position - centre) / head.step.max(Vec3::splat(f32::MIN_POSITIVE));
-        let place = place.to_array().map(|c| (c.round().clamp(-STEPS, STEPS) + STEPS) as u64);
-        let normal = octahedral(r.normal + self.normal).map(|c| grid(c, NORMAL));
-        let coded = unfolded(normal.map(|c| from_grid(c, NORMAL))).normalize_or(Vec3::Z);
-        self.normal = (self.normal + r.normal - coded).clamp_length_max(OWED);
+    /// The bits of an area and a colour.
+    fn encode(&mut self, head: &Head, base: f32, r: &Record) -> u64 {
         let wanted = ((r.area + self.area) / base).max(f32::MIN_POSITIVE).log2();
         let step = if head.areas > 0.0 { wanted / head.areas } else { 0.0 };
         let step = (step + HALF_AREAS).round().clamp(0.0, 2.0 * HALF_AREAS) as u32;
         self.area = (self.area + r.area - head.area(base, step)).clamp(-r.area, r.area);
         let (step_of, value) = (|sum| head.step_of(sum, 1), |step| head.sum(step));
         let colour = self.front.encode(r.radiance[0], (&HUE, SUM), step_of, value);
-        let [x, y, z] = place;
-        let [nx, ny] = normal.map(u64::from);
-        let place = x | y << PLACE | z << (2 * PLACE);
-        let normal = nx | ny << NORMAL;
-        place | normal << NORMAL_AT | u64::from(step) << AREA_AT | colour << COLOUR_AT
+        u64::from(step) << AREA_AT | colour << COLOUR_AT
     }
 }
 
@@ -229,7 +330,7 @@ impl<'a> Block<'a> {
             *code = u32::from_le_bytes(*first(&bytes[HEAD + k * RECORD..]));
         }
         let base = area / count.max(1) as f32;
-        let places = places(&low, centre, head.step, head.both);
+        let places = places(&low, centre, head.grid, head.both);
         Self { bytes, head, count, base, places, seconds }
     }
 
@@ -286,27 +387,43 @@ fn first<const N: usize>(bytes: &[u8]) -> &[u8; N] {
 
 /// Positions and normals of the records of a block.
 #[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
-fn places(codes: &[u32; BLOCK], centre: Vec3, step: Vec3, both: u32) -> Places {
-    let mut places = Places { both, ..Places::default() };
-    for (i, position) in places.position.iter_mut().enumerate() {
+fn places(codes: &[u32; BLOCK], centre: Vec3, grid: Grid, both: u32) -> Places {
+    let normal = unfolded_lanes(&codes.map(|code| code >> NORMAL_AT));
+    let plane = Plane::new(&normal);
+    let mut position = [[0.0; BLOCK]; 3];
+    for (i, lanes) in position.iter_mut().enumerate() {
+        let (at, mask, middle, step) =
+            (grid.at(i), (1 << grid.bits[i]) - 1, grid.middle(i), grid.step[i]);
         for k in 0..BLOCK {
-            let place = codes[k] >> (PLACE * i as u32) & ((1 << PLACE) - 1);
-            position[k] = centre[i] + (place as i32 as f32 - STEPS) * step[i];
+            lanes[k] = ((codes[k] >> at & mask) as i32 as f32 - middle) * step;
         }
     }
-    let [nx, ny, nz] = &mut places.normal;
+    let [u, v] = plane.others().map(|i| position[i]);
+    for k in 0..BLOCK {
+        position[plane.axis][k] += plane.slope[0] * u[k] + plane.slope[1] * v[k];
+    }
+    for (i, lanes) in position.iter_mut().enumerate() {
+        lanes.iter_mut().for_each(|x| *x += centre[i]);
+    }
+    Places { position, normal, both }
+}
+
+/// The vectors of codes of normals, of any length.
+#[allow(clippy::needless_range_loop, reason = "lanes are vectors of the processor")]
+fn unfolded_lanes(codes: &[u32; BLOCK]) -> [[f32; BLOCK]; 3] {
+    let [mut nx, mut ny, mut nz] = [[0.0; BLOCK]; 3];
     let half = ((1 << (NORMAL - 1)) - 1) as f32;
     for k in 0..BLOCK {
         let at = |shift: u32| (codes[k] >> shift & ((1 << NORMAL) - 1)) as i32 as f32;
-        let x = (at(NORMAL_AT) - half) * half.recip();
-        let y = (at(NORMAL_AT + NORMAL) - half) * half.recip();
+        let x = (at(0) - half) * half.recip();
+        let y = (at(NORMAL) - half) * half.recip();
         let z = 1.0 - x.abs() - y.abs();
         let under = (-z).max(0.0);
         nx[k] = x - under.copysign(x);
         ny[k] = y - under.copysign(y);
         nz[k] = z;
     }
-    places
+    [nx, ny, nz]
 }
 
 #[cfg(test)]
@@ -349,6 +466,35 @@ mod tests {
             let [r, g, b] = b.radiance[1];
             assert!((r - b).abs() < 1e-6 && (r - g).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn what_is_flat_stays_flat_and_finely_placed_in_any_direction() {
+        for i in 0..50 {
+            let [a, b, c] =
+                [0, 1, 2].map(|k| 2.0 * chiaro_basis::random::unit(11, 3 * i + k) - 1.0);
+            let normal = vec3(a, b, c).normalize();
+            let (across, along) = normal.any_orthonormal_pair();
+            let mut all = records(&sheet(16));
+            for (k, r) in all.iter_mut().enumerate() {
+                let [u, v] = chiaro_basis::random::r2(k as u64);
+                r.position = vec3(3.0, -2.0, 5.0) + u * across + v * along;
+                r.normal = normal;
+                r.alive[0] = true;
+            }
+            for (a, b) in all.iter().zip(again(&all, area(&all))) {
+                let apart = b.position - a.position;
+                assert!(apart.dot(normal).abs() < 6e-3, "{normal}: {}", apart.dot(normal));
+                assert!(apart.length() < 0.012, "{normal}: {apart}");
+            }
+        }
+    }
+
+    #[test]
+    fn bits_go_to_long_sides() {
+        assert_eq!(split([8, 8, 8]), [6, 6, 6]);
+        assert_eq!(split([8, 1, 8]), [9, 1, 8]);
+        assert_eq!(split([0, 8, 0]), [0, 18, 0]);
     }
 
     #[test]

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 const MAGIC: &[u8; 12] = b"chiaro pbgi\n";
 const BOOK_MAGIC: &[u8; 12] = b"chiaro book\n";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const END: &[u8; 8] = b"pbgi end";
 const CUT: &str = "is no whole tree file; bake it again with chiaro light --bake";
 const ALTERED: &str = "was altered or damaged; bake it again with chiaro light --bake";
