@@ -7,7 +7,9 @@
 //! - all end within a few spacings of surfels (a slab under a floor).
 //!
 //! Whatever light it gets, a side is dead too when everything drawn lies on or behind its plane: no surface
-//! sees it. Under a sky that is the underside of a ground and the outside of a room.
+//! sees it. Under a sky that is the underside of a ground and the outside of a room. And when little but a
+//! lamp close by is before it: what a double-sided one lights between itself and a ceiling is as bright as itself, and
+//! hidden by so little that it would be seen through it.
 //!
 //! Half of the rays are tried first; the others only when those disagree. Sides that get direct
 //! light live: faces of a double-sided model may wind either way. So do those that a ray leaves into a sky that
@@ -21,6 +23,11 @@ use chiaro_trace::{Ray, Sequence, Sides, cosine_direction};
 
 /// Spacings within which all rays must end for a side to be buried.
 const BURIED: f32 = 4.0;
+
+/// How near a lamp hides a side, in spacings and in radii of the bounds, whichever is more; and the share of
+/// rays that must pass it.
+const CLOSE: [f32; 2] = [1.0, 0.01];
+const PASS: f32 = 0.25;
 
 /// What rays from a side met.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,6 +62,15 @@ pub fn test(lit: &Lit, bounds: &Bounds, surfel: &mut Surfel, spacing: f32, rays:
             continue;
         }
         if surfel.radiance[side] != [0.0; 3] {
+            let close = (CLOSE[0] * spacing).max(CLOSE[1] * bounds.radius());
+            surfel.alive[side] = !is_behind_a_lamp(
+                lit,
+                surfel.position,
+                normal,
+                close,
+                |k| sequence.point(k, side as u32),
+                rays,
+            );
             continue;
         }
         let mut met = Met::default();
@@ -78,10 +94,31 @@ fn above(bounds: &Bounds, position: Vec3, normal: Vec3) -> f32 {
     (farthest - position).dot(normal)
 }
 
+/// Whether nearly all of some rays meet what shines within a distance.
+fn is_behind_a_lamp(
+    lit: &Lit,
+    position: Vec3,
+    normal: Vec3,
+    close: f32,
+    point: impl Fn(u32) -> [f32; 2],
+    rays: u32,
+) -> bool {
+    let glow = &lit.lights.glow;
+    let passes = |k: &u32| {
+        let ray = ray(lit, position, normal, cosine_direction(normal, point(*k)), close);
+        lit.tracer.hit(&ray, Sides::Both).and_then(|hit| glow.find(&hit)).is_none()
+    };
+    let enough = (PASS * rays as f32).ceil() as usize;
+    !glow.is_empty() && (0..rays).filter(passes).take(enough).count() < enough
+}
+
+fn ray(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, t_max: f32) -> Ray {
+    Ray { origin: position + normal * lit.tracer.offset(), direction, t_max }
+}
+
 fn meet(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, spacing: f32, met: &mut Met) {
     met.rays += 1;
-    let origin = position + normal * lit.tracer.offset();
-    let ray = Ray { origin, direction, t_max: f32::INFINITY };
+    let ray = ray(lit, position, normal, direction, f32::INFINITY);
     let Some(hit) = lit.tracer.hit(&ray, Sides::Both) else {
         let sky = lit.lights.sky.as_deref();
         met.sky = sky.is_some_and(|s| s.radiance(direction) != [0.0; 3]);

@@ -7,19 +7,23 @@ use chiaro_basis::{Run, random};
 use chiaro_image::{Plane, metric};
 use chiaro_pbgi::{Division, LightKnobs, Lit, Sharing, indirect, pooled_paths, prepare, sites};
 use chiaro_scene::load::{Budget, Door, Up, read_scene};
-use chiaro_scene::{Pose, Poser, Projection, Scene, demo};
+use chiaro_scene::{Material, MaterialId, Pose, Poser, Projection, Scene, demo};
 use chiaro_trace::path::{Aim, PathImage, PathTracer};
 use chiaro_trace::{GBuffer, Glow, Lamp, Lights, Surfaces, Tracer, direct_irradiance};
 
 /// Something done in the Cornell box, lit by its lamp.
 fn in_the_box<T>(act: impl FnOnce(&Scene, Lit, &Run) -> T) -> T {
-    let scene = demo::scene("cornell-box").unwrap();
+    lit_by_itself(&demo::scene("cornell-box").unwrap(), act)
+}
+
+/// Something done in a scene, lit by what shines in it.
+fn lit_by_itself<T>(scene: &Scene, act: impl FnOnce(&Scene, Lit, &Run) -> T) -> T {
     let (playback, _) = scene.playback(&Default::default()).unwrap();
-    let frame = Poser::new(&scene).frame(0.0, &playback);
-    let tracer = Tracer::new(&scene, &frame);
-    let surfaces = Surfaces::new(&scene);
+    let frame = Poser::new(scene).frame(0.0, &playback);
+    let tracer = Tracer::new(scene, &frame);
+    let surfaces = Surfaces::new(scene);
     let lights = Lights { glow: Glow::of(&tracer, &surfaces), ..Lights::default() };
-    act(&scene, Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights }, &Run::default())
+    act(scene, Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights }, &Run::default())
 }
 
 /// What its camera sees.
@@ -58,6 +62,45 @@ fn errors(all: &[LightKnobs]) -> Vec<f64> {
         let buffer = seen(lit, run);
         let truth = truth(lit, &buffer, run);
         all.iter().map(|k| error(&by_points(scene, lit, k, run), &truth, &buffer)).collect()
+    })
+}
+
+/// A room of side 2 in a PLY file, with a lamp of two triangles that shines to both sides just under the ceiling.
+fn room_with_a_panel() -> Scene {
+    let corners = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| 2.0 * c as f32));
+    let lamp = [[0.6, 0.6], [1.4, 0.6], [1.4, 1.4], [0.6, 1.4]].map(|[x, z]| [x, 1.995, z]);
+    let mut file = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\n\
+                    element face 7\nproperty list uchar int vertex_indices\nend_header\n"
+        .to_string();
+    corners.chain(lamp).for_each(|[x, y, z]| file += &format!("{x} {y} {z}\n"));
+    file += "4 0 2 6 4\n4 1 5 7 3\n4 0 4 5 1\n4 2 3 7 6\n4 0 1 3 2\n4 4 6 7 5\n4 8 9 10 11\n";
+    let mut door = Door::new("room.ply", &(), Budget::default());
+    let mut scene = read_scene("room.ply", file.as_bytes(), Up::Y, &mut door).unwrap();
+    scene.materials.iter_mut().for_each(|m| m.double_sided = true);
+    let shining = Material { emissive: [5.0; 3], ..scene.materials[0].clone() };
+    scene.materials.push(shining);
+    let id = MaterialId::new(scene.materials.len() - 1);
+    scene.meshes[0].materials.iter_mut().rev().take(2).for_each(|m| *m = id);
+    scene
+}
+
+/// What the lamp lights close above it is not seen through it, and the ceiling beside it is as bright as it is.
+#[test]
+fn a_panel_hides_the_ceiling_that_it_shines_on() {
+    let scene = room_with_a_panel();
+    lit_by_itself(&scene, |scene, lit, run| {
+        let eye = Projection::Perspective { fov_y: 1.4 };
+        let pose = Pose::look_at(vec3(1.0, 1.0, 0.05), vec3(1.0, 0.9, 2.0), Vec3::Y, eye);
+        let buffer = GBuffer::trace(lit.tracer, lit.surfaces, &pose, (48, 48), run).unwrap();
+        let truth = truth(lit, &buffer, run);
+        for surfels in [5_000, 60_000] {
+            let knobs = LightKnobs { surfels, bounces: 1, ..LightKnobs::default() };
+            let sites = sites(scene, lit.tracer.frame, surfels as usize);
+            let prepared = prepare(lit, &sites, &knobs, run).unwrap();
+            let found = indirect(&prepared, &buffer, run).unwrap().irradiance;
+            let apart = error(&found, &truth, &buffer);
+            assert!(apart < 0.2, "{surfels}: {apart}");
+        }
     })
 }
 

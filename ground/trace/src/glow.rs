@@ -9,6 +9,8 @@
 //!
 //! Single-sided materials shine from their front alone, double-sided ones from both sides.
 
+mod seen;
+
 use crate::light::{Lamp, Patch};
 use crate::surface::Surfaces;
 use crate::tracer::{Hit, Tracer};
@@ -169,12 +171,7 @@ impl Glow {
         let last = self.triangles.len().checked_sub(1)?;
         let index = self.cumulative.partition_point(|c| *c <= f64::from(choice)).min(last);
         let t = &self.triangles[index];
-        // Uniform over the triangle (Heitz 2019: folding the square keeps neighbours together).
-        let b = if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] };
-        let [p, q, r] = t.corners;
-        let position = p + (q - p) * b[0] + (r - p) * b[1];
-        let density = (t.power() / self.power) as f32 / t.area;
-        Some(GlowPoint { position, triangle: index, b, density })
+        Some(t.at(index, seen::barycentric([u, v]), self.density(index)))
     }
 
     /// The density, per area, with which [`Glow::point`] finds points of a triangle.

@@ -146,7 +146,7 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> (Option<Candidate>, f32) {
-        if !self.glow.is_scattered() {
+        if (self.glow.is_few() && !shared) || !self.glow.is_scattered() {
             return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
         }
         let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
@@ -170,7 +170,11 @@ impl Lights {
         numbers: [f32; 3],
         shared: bool,
     ) -> Option<Candidate> {
-        let point = self.glow.point(numbers)?;
+        let few = self.glow.is_few() && !shared;
+        let point = match few {
+            true => self.glow.point_seen(at.position, at.normal, numbers),
+            false => self.glow.point(numbers),
+        }?;
         let triangle = &self.glow.triangles()[point.triangle];
         let offset = point.position - at.position;
         let (towards, distance) = offset.normalize_and_length();
@@ -182,11 +186,12 @@ impl Lights {
         }
         let ray = at.ray_to(point.position)?;
         let density = point.density * distance * distance / outward;
-        // No light source gives more than pi times its radiance.
-        let mut factor = (cosine / density).min(PI);
-        if shared {
-            factor = cosine / (density + cosine * FRAC_1_PI);
-        }
+        let factor = match (shared, few) {
+            (true, _) => cosine / (density + cosine * FRAC_1_PI),
+            (_, true) => cosine / density,
+            // No light source gives more than pi times its radiance.
+            _ => (cosine / density).min(PI),
+        };
         let hit = Hit { t: 0.0, object: triangle.object, face: triangle.face, b: point.b };
         let radiance = if triangle.textured {
             surfaces.emission(tracer, &hit, 0.0)

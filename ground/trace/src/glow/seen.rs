@@ -1,0 +1,183 @@
+//! Points on what shines for a place that sees it, by solid angle.
+//!
+//! Points drawn by area ([`Glow::point`]) seldom are those that a place beside a panel has most of its light from. Where
+//! few triangles shine, one is chosen by its radiance times its solid angle, and a direction uniformly
+//! within it (Arvo 1995): none gives more than what shines could in all.
+
+use super::{Glow, GlowPoint, GlowTriangle};
+use chiaro_basis::math::{DVec3, Vec3};
+use chiaro_image::colour::luminance;
+
+/// Triangles that are looked at for every place, at most.
+const FEW: usize = 16;
+/// Solid angles under which the points of a triangle are all as far, steradians.
+const SMALL: f32 = 1e-4;
+
+impl Glow {
+    /// Whether points are drawn by solid angle.
+    pub(crate) fn is_few(&self) -> bool {
+        self.triangles.len() <= FEW
+    }
+
+    /// A point for three numbers in [0, 1), seen from a place on a surface with a normal; the first number
+    /// chooses the triangle. `None` where nothing is seen.
+    pub(crate) fn point_seen(
+        &self,
+        from: Vec3,
+        normal: Vec3,
+        [choice, u, v]: [f32; 3],
+    ) -> Option<GlowPoint> {
+        let mut sums = [0.0; FEW];
+        let mut sum = 0.0;
+        for (at, t) in sums.iter_mut().zip(&self.triangles) {
+            sum += luminance(t.radiance) * t.solid_angle(from, normal);
+            *at = sum;
+        }
+        let index = sums.iter().take(self.triangles.len()).position(|s| choice * sum < *s)?;
+        let t = &self.triangles[index];
+        let solid_angle = t.solid_angle(from, normal);
+        let chosen = luminance(t.radiance) * solid_angle / sum;
+        if solid_angle < SMALL {
+            let b = barycentric([u, v]);
+            return Some(t.at(index, b, chosen / t.area));
+        }
+        let direction = t.direction(from, [u, v]);
+        let distance = (t.corners[0] - from).dot(t.normal) / direction.dot(t.normal);
+        let b = t.barycentric(from + direction * distance);
+        let density = chosen / solid_angle * direction.dot(t.normal).abs() / (distance * distance);
+        (density > 0.0 && density.is_finite()).then(|| t.at(index, b, density))
+    }
+}
+
+/// Uniform over a triangle (Heitz 2019: folding the square keeps neighbours together).
+pub(super) fn barycentric([u, v]: [f32; 2]) -> [f32; 2] {
+    if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] }
+}
+
+impl GlowTriangle {
+    /// Its point of barycentric coordinates.
+    pub(super) fn at(&self, triangle: usize, b: [f32; 2], density: f32) -> GlowPoint {
+        let [p, q, r] = self.corners;
+        let position = p + (q - p) * b[0] + (r - p) * b[1];
+        GlowPoint { position, triangle, b, density }
+    }
+
+    /// The coordinates of a point in its plane; those of the nearest point inside, but for rounding.
+    fn barycentric(&self, point: Vec3) -> [f32; 2] {
+        let [p, q, r] = self.corners;
+        let share = |a: Vec3, b: Vec3| a.cross(b).dot(self.normal) / (2.0 * self.area);
+        let side = (q - p).cross(r - p).dot(self.normal).signum();
+        let second = (side * share(point - p, r - p)).clamp(0.0, 1.0);
+        let third = (side * share(q - p, point - p)).clamp(0.0, 1.0 - second);
+        [second, third]
+    }
+
+    /// Of the side that shines, from a place on a surface; 0 when all of it lies under that surface (Van Oosterom and
+    /// Strackee 1983).
+    fn solid_angle(&self, from: Vec3, normal: Vec3) -> f32 {
+        let [a, b, c] = self.corners.map(|p| p - from);
+        let faces = self.two_sided || a.dot(self.normal) < 0.0;
+        if !faces || [a, b, c].iter().all(|p| p.dot(normal) <= 0.0) {
+            return 0.0;
+        }
+        let (x, y, z) = (a.length(), b.length(), c.length());
+        let across = a.dot(b.cross(c)).abs();
+        let along = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+        let angle = 2.0 * across.atan2(along);
+        if angle.is_finite() { angle } else { 0.0 }
+    }
+
+    /// A direction to it from a place, uniform by solid angle.
+    fn direction(&self, from: Vec3, [u, v]: [f32; 2]) -> Vec3 {
+        let [a, b, c] = self.corners.map(|p| (p - from).as_dvec3().normalize_or_zero());
+        let [ab, bc, ca] = [a.cross(b), b.cross(c), c.cross(a)].map(DVec3::normalize_or_zero);
+        let angle = |p: DVec3, q: DVec3| (-p.dot(q)).clamp(-1.0, 1.0).acos();
+        let (alpha, beta, gamma) = (angle(ca, ab), angle(ab, bc), angle(bc, ca));
+        // The corner c moves along its side until the triangle has this share of its area.
+        let (sin, cos) =
+            (f64::from(u) * (alpha + beta + gamma - std::f64::consts::PI) - alpha).sin_cos();
+        let (sin_alpha, cos_alpha) = alpha.sin_cos();
+        let (p, q) = (cos - cos_alpha, sin + sin_alpha * a.dot(b));
+        let place = ((q * cos - p * sin) * cos_alpha - q) / ((q * sin + p * cos) * sin_alpha);
+        let moved = arc(a, c, place.clamp(-1.0, 1.0));
+        let place = 1.0 - f64::from(v) * (1.0 - moved.dot(b));
+        arc(b, moved, place).as_vec3().normalize_or(-self.normal)
+    }
+}
+
+/// On the arc from a unit vector towards another, at a cosine from the first.
+fn arc(a: DVec3, b: DVec3, cosine: f64) -> DVec3 {
+    a * cosine + (b - a * a.dot(b)).normalize_or_zero() * (1.0 - cosine * cosine).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chiaro_basis::{math::vec3, random};
+
+    /// A square of side 2 in the plane y = `h` around the y axis, shining down.
+    fn panel(h: f32) -> Glow {
+        let [a, b, c, d] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+            .map(|[x, z]: [f32; 2]| vec3(x, h, z));
+        let triangle = |corners: [Vec3; 3], light: f32, face: u32| GlowTriangle {
+            corners,
+            normal: Vec3::NEG_Y,
+            area: 2.0,
+            radiance: [light; 3],
+            two_sided: false,
+            textured: false,
+            object: 0,
+            face,
+        };
+        Glow::from_triangles(vec![triangle([a, b, c], 1.0, 0), triangle([a, c, d], 3.0, 1)])
+    }
+
+    /// Irradiance over pi of a place facing `normal`, and the most that one point gives.
+    fn irradiance(glow: &Glow, from: Vec3, normal: Vec3) -> (f32, f32) {
+        let count = 4096;
+        let (mut sum, mut most) = (0.0, 0.0f32);
+        for i in 0..count {
+            let [u, v] = random::r2(i);
+            let choice = (i as f32 + 0.5) / count as f32;
+            let choice = (choice * 61.0).fract();
+            let Some(point) = glow.point_seen(from, normal, [choice, u, v]) else { continue };
+            let (towards, distance) = (point.position - from).normalize_and_length();
+            let t = &glow.triangles()[point.triangle];
+            let outward = -towards.dot(t.normal);
+            let factor = towards.dot(normal).max(0.0) * outward / (distance * distance);
+            let e = t.radiance[0] * factor / point.density;
+            sum += e / count as f32;
+            most = most.max(e);
+        }
+        (sum / std::f32::consts::PI, most)
+    }
+
+    /// The share of a square's light that a place under its middle sees, facing it, in closed form.
+    fn form_factor(h: f32) -> f32 {
+        let x = 1.0 / h;
+        let root = (1.0 + x * x).sqrt();
+        4.0 * x / (std::f32::consts::PI * root) * (x / root).atan()
+    }
+
+    #[test]
+    fn beside_a_panel_it_gives_what_it_does() {
+        for h in [1e-3, 0.02, 0.3, 2.0, 300.0] {
+            let glow = panel(h);
+            let (e, most) = irradiance(&glow, Vec3::ZERO, Vec3::Y);
+            // Half of it shines three times as brightly.
+            assert!((e / (2.0 * form_factor(h)) - 1.0).abs() < 0.01, "{h}: {e} {}", form_factor(h));
+            assert!(most <= 2.0 * std::f32::consts::TAU * 2.0, "{h}: {most}");
+        }
+    }
+
+    #[test]
+    fn a_place_on_its_edge_sees_half_of_what_it_would_inside_it() {
+        // On an edge's middle, close by, the panel is a quarter of the sphere.
+        let (e, _) = irradiance(&panel(1e-3), vec3(0.0, 0.0, -1.0), Vec3::Y);
+        assert!((e - 0.5 * 1.0).abs() < 0.01, "{e}");
+        let (e, _) = irradiance(&panel(1e-3), Vec3::ZERO, Vec3::NEG_Y);
+        assert_eq!(e, 0.0);
+        let (e, _) = irradiance(&panel(-1.0), Vec3::ZERO, Vec3::NEG_Y);
+        assert_eq!(e, 0.0);
+    }
+}
