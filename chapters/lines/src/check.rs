@@ -230,6 +230,7 @@ mod tests {
             further: Vec::new(),
             strokes,
             hidden,
+            gaps: Vec::new(),
             stretches: [0; 2],
         };
         Film { frames: vec![frame], ..Film::default() }

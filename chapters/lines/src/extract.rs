@@ -3,6 +3,7 @@
 use crate::contour::Scenery;
 use crate::feature::Features;
 use crate::further::Further;
+use crate::gap::{Gap, Shown, gaps};
 use crate::intersect::intersections;
 use crate::join::Line;
 use crate::knob::{Hidden, LinesKnobs};
@@ -58,6 +59,8 @@ pub struct Lines {
     pub strokes: Vec<Stroke>,
     /// The hidden parts as strokes, if they are wanted; no part of `parts`.
     pub hidden: Vec<Stroke>,
+    /// What lies between strokes of one line.
+    pub gaps: Vec<Gap>,
     /// What strokes are made of: stroke, path, run.
     pub parts: Vec<(usize, usize, Run)>,
 }
@@ -101,24 +104,25 @@ impl Lines {
         };
         let drawn = |kind: Kind| is_drawn(kind, knobs);
         let visible = visible(&paths, &sight, view, &limits, &drawn);
-        let (strokes, parts) = strokes(&paths, &visible, stage, moment);
-        let hidden = hidden_strokes(&paths, &visible, stage, moment);
-        Self { g, slice, further, paths, visible, strokes, hidden, parts }
+        let (strokes, hidden, gaps, parts) = strokes_of(&paths, &visible, stage, moment);
+        Self { g, slice, further, paths, visible, strokes, hidden, gaps, parts }
     }
 }
 
 /// What strokes are made of: stroke, path, run.
 type Parts = Vec<(usize, usize, Run)>;
 
-/// Strokes of what is seen and of what is hidden, and what the former are made of.
+/// Strokes of what is seen and of what is hidden, what lies between them, and what the former are made of.
 pub(crate) fn strokes_of(
     paths: &[Path],
     visible: &Visible,
     stage: &Stage<'_>,
     moment: &Moment<'_>,
-) -> (Vec<Stroke>, Vec<Stroke>, Parts) {
+) -> (Vec<Stroke>, Vec<Stroke>, Vec<Gap>, Parts) {
     let (seen, parts) = strokes(paths, visible, stage, moment);
-    (seen, hidden_strokes(paths, visible, stage, moment), parts)
+    let (hidden, unseen) = hidden_strokes(paths, visible, stage, moment);
+    let gaps = gaps(paths, shown(&parts).chain(unseen).collect());
+    (seen, hidden, gaps, parts)
 }
 
 /// The strokes of all lines that are drawn, and what each is made of.
@@ -141,16 +145,25 @@ fn strokes(
     (strokes, parts)
 }
 
-/// The strokes of what is hidden, where that is drawn.
+/// The runs that strokes are made of.
+fn shown(parts: &Parts) -> impl Iterator<Item = Shown> + '_ {
+    (0..parts.len()).map(|k| {
+        let (stroke, path, run) = parts[k];
+        let other = |k: usize| parts.get(k).is_none_or(|p| p.0 != stroke);
+        Shown { path, run, is_end: [k == 0 || other(k - 1), other(k + 1)] }
+    })
+}
+
+/// The strokes of what is hidden, where that is drawn, and the runs that they are.
 fn hidden_strokes(
     paths: &[Path],
     visible: &Visible,
     stage: &Stage<'_>,
     moment: &Moment<'_>,
-) -> Vec<Stroke> {
+) -> (Vec<Stroke>, Vec<Shown>) {
     let knobs = stage.knobs;
     if knobs.hidden == Hidden::Drop {
-        return Vec::new();
+        return (Vec::new(), Vec::new());
     }
     let next_view = moment.next.map(|n| n.1);
     let (step, shortest) = (f64::from(knobs.step), f64::from(knobs.shortest));
@@ -160,13 +173,16 @@ fn hidden_strokes(
             let covered = visible.runs[i].iter().chain(&visible.beside[i]);
             hidden(&paths[i], covered, shortest).into_iter().map(move |run| (i, run))
         })
-        .map(|(i, run)| Stroke {
-            visible: false,
-            owner: owner(paths, &Line::single(i, run), stage.surface),
-            ..Stroke::of(&paths[i], run, step, moment.view, next_view)
+        .map(|(i, run)| {
+            let stroke = Stroke {
+                visible: false,
+                owner: owner(paths, &Line::single(i, run), stage.surface),
+                ..Stroke::of(&paths[i], run, step, moment.view, next_view)
+            };
+            (stroke, Shown { path: i, run, is_end: [true; 2] })
         })
-        .filter(|stroke| stroke.samples.len() > 1)
-        .collect()
+        .filter(|(stroke, _)| stroke.samples.len() > 1)
+        .unzip()
 }
 
 /// What most segments of a line belong to.

@@ -12,6 +12,7 @@ use crate::extract::{Lines, Moment, Stage};
 use crate::family::families;
 use crate::feature::Features;
 use crate::further::{Follower, Further};
+use crate::gap::Gap;
 use crate::knob::LinesKnobs;
 use crate::mask::Masks;
 use crate::path::{Kind, Path};
@@ -74,6 +75,8 @@ pub struct FilmFrame {
     pub strokes: Vec<Stroke>,
     /// What is hidden, where that is drawn; ids go on after those of what is seen.
     pub hidden: Vec<Stroke>,
+    /// What lies between strokes of one line.
+    pub gaps: Vec<Gap>,
     /// Stretches that voted on visibility, and those that did not agree.
     pub stretches: [u64; 2],
 }
@@ -320,6 +323,7 @@ impl<'a> Tracking<'a> {
             further: lines.further,
             strokes: lines.strokes,
             hidden: lines.hidden,
+            gaps: lines.gaps,
             stretches,
         });
         self.last =

@@ -51,8 +51,8 @@ impl Lines {
         let beside = vec![Vec::new(); paths.len()];
         let visible = Visible { lines, runs, beside, ..Visible::default() };
         let further = sets.into_iter().map(ZeroSet::further).collect();
-        let (strokes, hidden, parts) = strokes_of(&paths, &visible, stage, moment);
-        Self { g, slice, further, paths, visible, strokes, hidden, parts }
+        let (strokes, hidden, gaps, parts) = strokes_of(&paths, &visible, stage, moment);
+        Self { g, slice, further, paths, visible, strokes, hidden, gaps, parts }
     }
 }
 

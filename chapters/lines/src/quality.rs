@@ -4,6 +4,7 @@
 //! that every method is judged alike. Sliding and stretch belong together: one is had for the other.
 
 use crate::film::{Film, FilmFrame};
+use crate::gap::between;
 use crate::parameter::near::Near;
 use crate::parameter::net::{AGREES, DEPTH, REACH, direction, goes_on, material};
 use crate::stroke::Stroke;
@@ -41,6 +42,9 @@ pub struct Quality {
     pub texture_jumps: f64,
     /// Share of frame pairs of which a fifth jumps.
     pub broken_pairs: f64,
+    /// 95th percentile of what u misses where a line goes on behind what hides it: beside an even texture
+    /// along what is hidden, whole turns of the texture left out, pixels.
+    pub gap_p95: f64,
     /// 99th percentile over frame pairs of the longest stretch of line that turns from ink to paper or
     /// back along the motion, where half of every 24 pixels of u is ink: what is seen of
     /// jumps and sliding at once, pixels.
@@ -128,6 +132,7 @@ pub fn quality(film: &Film) -> Quality {
         slide_over_2: share(all().map(|s| (s.length, s.pixels > SEEN))),
         jumps: jumping(all(), |s| s.keeps_id),
         texture_jumps: jumping(all(), |s| s.keeps_texture),
+        gap_p95: percentile(film.frames.iter().flat_map(gaps).map(|g| (g, 1.0)).collect(), 0.95),
         ink_pop_p99: percentile(pairs.iter().map(|p| (p.pop, 1.0)).collect(), 0.99),
         broken_pairs: if pairs.is_empty() { 0.0 } else { broken as f64 / pairs.len() as f64 },
         stretch_p95: percentile(rising.map(|s| (s.0.log2().abs(), s.1)).collect(), 0.95),
@@ -212,6 +217,17 @@ fn pair(film: &Film, [here, next]: [&FilmFrame; 2]) -> Pair {
     pair
 }
 
+/// What u misses at each gap of a frame, pixels.
+fn gaps(frame: &FilmFrame) -> Vec<f64> {
+    let off = |([a, b], length): ([usize; 2], f64)| {
+        let [a, b] = [a, b].map(|s| &frame.strokes[s]);
+        let off = b.u[0] - a.u[a.u.len() - 1] - length / b.pixels_per_u;
+        let period = a.begins_anew().or(b.begins_anew()).filter(|p| *p > LEAST_PERIOD);
+        b.pixels_per_u * (off - period.map_or(0.0, |p| (off / p).round() * p)).abs()
+    };
+    between(frame.strokes.iter(), &frame.gaps).into_iter().map(off).collect()
+}
+
 /// A number for a stroke of a frame that the parts of one line share.
 fn whole(stroke: &Stroke, index: u32) -> u32 {
     stroke.part.map_or(2 * index, |(line, _)| 2 * line + 1)
@@ -253,13 +269,14 @@ fn percentile(mut items: Vec<(f64, f64)>, at: f64) -> f64 {
 
 impl Quality {
     /// Names and values for records.
-    pub fn named(&self) -> [(&'static str, f64); 11] {
+    pub fn named(&self) -> [(&'static str, f64); 12] {
         [
             ("slide_p95_px", self.slide_p95),
             ("slide_over_2px", self.slide_over_2),
             ("jump_share", self.jumps),
             ("texture_jump_share", self.texture_jumps),
             ("broken_pairs_share", self.broken_pairs),
+            ("gap_p95_px", self.gap_p95),
             ("ink_pop_p99_px", self.ink_pop_p99),
             ("stretch_p95_octaves", self.stretch_p95),
             ("folded_share", self.folded),

@@ -5,7 +5,9 @@ mod meshes;
 use chiaro_basis::Run;
 use chiaro_basis::math::{Vec3, vec3};
 use chiaro_lines::parameter::{Diffuser, Parameters, Solved, Weights, parameterize, whole};
-use chiaro_lines::{Cuts, Film, LinesKnobs, Links, Method, Quality, Reel, Texture, View, quality};
+use chiaro_lines::{
+    Cuts, Film, Hidden, LinesKnobs, Links, Method, Quality, Reel, Texture, View, quality,
+};
 use chiaro_scene::{Frame, Scene};
 use meshes::*;
 
@@ -69,6 +71,45 @@ fn a_turning_torus_neither_slides_nor_folds() {
     let mut naive = torus_film(16, 1.5);
     let (_, arc) = solve(&mut naive, &LinesKnobs { method: Method::Arclength, ..plain() });
     assert!(arc.slide_p95 > 4.0 * q.slide_p95, "{arc:?}");
+}
+
+/// A rail behind two posts that move along it.
+fn fence_film(frames: usize, knobs: &LinesKnobs) -> Film {
+    let (cube, faces) = cube();
+    let reach = cube.iter().fold(0.0f32, |m, p| m.max(p.x.abs()));
+    let boxes = [
+        (vec3(0.0, 0.0, 0.0), vec3(4.0, 0.2, 0.2)),
+        (vec3(-1.0, 0.0, 1.5), vec3(0.2, 1.0, 0.1)),
+        (vec3(0.9, 0.0, 1.5), vec3(0.2, 1.0, 0.1)),
+    ];
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for (at, size) in boxes {
+        let first = positions.len() as u32;
+        positions.extend(cube.iter().map(|p| at + *p / reach * size));
+        triangles.extend(faces.iter().map(|t| t.map(|v| first + v)));
+    }
+    let scene = scene(positions, triangles, true);
+    let still = frame(&scene);
+    let view = view(vec3(0.3, 1.0, 7.0));
+    let at = |i: usize| {
+        let along = |p: Vec3| if p.z > 1.0 { p + 0.07 * i as f32 * Vec3::X } else { p };
+        (moved(&still, along), view)
+    };
+    Film::of(&Reel { scene: &scene, count: frames, at: &at }, knobs, &Run::default())
+        .expect("nothing stops it")
+}
+
+#[test]
+fn lines_go_on_behind_what_hides_them() {
+    for hidden in [Hidden::Drop, Hidden::Style] {
+        let knobs = LinesKnobs { hidden, ..plain() };
+        let mut film = fence_film(12, &knobs);
+        let (_, q) = solve(&mut film, &knobs);
+        assert!(q.gap_p95 < 0.5 && q.slide_p95 < 0.1 && q.stretch_p95 < 0.1, "{q:?}");
+    }
+    let knobs = LinesKnobs { method: Method::Arclength, ..plain() };
+    let (_, alone) = solve(&mut fence_film(12, &knobs), &knobs);
+    assert!(alone.gap_p95 > 20.0, "{alone:?}");
 }
 
 #[test]

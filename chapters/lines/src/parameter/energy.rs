@@ -9,9 +9,11 @@
 //! w_end  sum (L u_first)^2 dt + (L (u_last - 1))^2 dt    (4.8), stretched textures alone
 //! ```
 //!
+//! What is hidden of a line between two strokes spreads as evenly as what is seen: (4.11) over all of it is one row.
 //! Periodic textures leave one constant a component free; a weak anchor on every line holds it.
 
 use super::net::{Line, Link, Net};
+use super::onward::{Across, LEAST};
 use chiaro_solve::{Normal, Rows, Singular};
 
 /// Weight of the anchor, next to the others of order one.
@@ -67,8 +69,10 @@ pub(crate) struct Factors<'a> {
 /// Rows with what their weights and right sides are made of.
 pub(crate) struct Energy {
     normal: Normal,
-    /// What each distortion row is about.
+    /// What each distortion row is about: the segments', and after them those of what is hidden.
     pub(crate) stretches: Vec<Stretch>,
+    /// How many of them are segments'.
+    segments: usize,
     /// Weight at w = 1, and what the scale is, of each link row.
     links: Vec<(f64, f64)>,
     /// Weight at w = 1, and right side, of each end row.
@@ -77,8 +81,14 @@ pub(crate) struct Energy {
 }
 
 impl Energy {
-    /// The rows of a net; patterns that they share with those `before` are not factored again.
-    pub(crate) fn of(net: &Net, setting: &Setting<'_>, before: Option<&Self>) -> Self {
+    /// The rows of a net, and of what is hidden between its lines; patterns that they share with those `before`
+    /// are not factored again.
+    pub(crate) fn of(
+        net: &Net,
+        setting: &Setting<'_>,
+        across: &[Across],
+        before: Option<&Self>,
+    ) -> Self {
         let mut rows = Rows::new(net.unknowns);
         let (links, anchors) = (net.links.len(), net.lines.len());
         let ends = if setting.stretched { 2 * anchors } else { 0 };
@@ -98,6 +108,14 @@ impl Energy {
                 let target = ds - scale * once;
                 stretches.push(Stretch { unknowns: [a, b], ds, weight: dt / ds, target });
             }
+        }
+        let segments = stretches.len();
+        for gap in across {
+            let (l, [a, b]) = (gap.lines[1] as usize, gap.unknowns);
+            let (scale, dt) = (setting.scale[l], setting.dt[net.lines[l].frame as usize]);
+            rows.push(&[(b, scale), (a, -scale)]);
+            let (ds, target) = (gap.length.max(LEAST), gap.length + scale * gap.turns);
+            stretches.push(Stretch { unknowns: [a, b], ds, weight: dt / ds, target });
         }
         let mut links = Vec::with_capacity(net.links.len());
         for link in &net.links {
@@ -121,7 +139,7 @@ impl Energy {
             rows.push(&[(line.first, setting.scale[l])]);
         }
         let normal = Normal::after(rows, before.map(|b| &b.normal));
-        Self { normal, stretches, links, ends, anchors: net.lines.len() }
+        Self { normal, stretches, segments, links, ends, anchors: net.lines.len() }
     }
 
     /// The parameters that minimize the energy.
@@ -164,10 +182,10 @@ impl Energy {
         self.normal.parts()
     }
 
-    /// The distortion rows of a part.
-    pub(crate) fn stretches_of(&self, part: usize) -> impl Iterator<Item = usize> + '_ {
+    /// The distortion rows of a part's segments.
+    pub(crate) fn segments_of(&self, part: usize) -> impl Iterator<Item = usize> + '_ {
         let rows = self.normal.rows_of(part);
-        let end = rows.partition_point(|r| (*r as usize) < self.stretches.len());
+        let end = rows.partition_point(|r| (*r as usize) < self.segments);
         rows[..end].iter().map(|r| *r as usize)
     }
 
@@ -223,12 +241,12 @@ impl Energy {
         end.map_or([0.0; 3], |(weight, target)| [*weight, *target, 0.0])
     }
 
-    /// L du / ds of each distortion row: 1 where the texture has its size, 0 where it stands still,
+    /// L du / ds of each segment: 1 where the texture has its size, 0 where it stands still,
     /// less where it folds.
     pub(crate) fn slopes(&self, u: &[f64]) -> Vec<f64> {
         let slope =
             |(i, s): (usize, &Stretch)| (self.normal.rows().left(i, u) - s.target + s.ds) / s.ds;
-        self.stretches.iter().enumerate().map(slope).collect()
+        self.stretches[..self.segments].iter().enumerate().map(slope).collect()
     }
 
     /// The residual of a link in pixels.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  Film ─seam::carry→ seams that last ─Net→ unknowns, links ─Energy→ rows, factored once
-//!  rows ─cut::agreeing→ links that agree ─monotone::solve→ u ─→ Stroke::u
+//!  rows ─cut::agreeing→ links that agree ─onward::agreeing→ lines tied behind what hides them
+//!  rows ─monotone::solve→ u ─→ Stroke::u
 //!  links that agree ─name::rename→ ids ─Parts→ lines parted where two ids meet
 //! ```
 //!
@@ -21,6 +22,7 @@ mod name;
 pub(crate) mod near;
 pub(crate) mod net;
 mod octave;
+mod onward;
 mod part;
 mod propagate;
 mod seam;
@@ -157,12 +159,26 @@ impl Parameters {
             }
             made = Self { saved: made.saved, ..linked(film, &cut::AGAIN, Some(&made))? };
         }
+        if knobs.texture == Texture::Periodic {
+            made.carry_on(film, spacing, sigma);
+        }
         let swept = knobs.links == Links::Swept;
         made.parts = Parts::of(film, &made.whole(), to_charts.then_some(sigma), (swept, found));
         let period: Vec<Option<f64>> =
             made.parts.origins.iter().map(|o| made.period[o.line as usize]).collect();
         made.textures = textures(&made.parts.components, &period);
         Ok(made)
+    }
+
+    /// Ties lines to what they go on as behind what hides them, where that agrees with the links.
+    fn carry_on(&mut self, film: &Film, spacing: &[f64], sigma: f64) {
+        let Self { net, kept, scale, period, energy, .. } = self;
+        let across = onward::agreeing(film, net, kept, (scale, period), sigma);
+        let dt = intervals(film.frames.len(), spacing);
+        let setting = Setting { scale, period, dt: &dt, stretched: false };
+        if !across.is_empty() {
+            *energy = Energy::of(net, &setting, &across, Some(&*energy));
+        }
     }
 
     /// The lines as they were solved.
@@ -186,7 +202,7 @@ impl Parameters {
         net.links.retain(|l| !crosses_seam(lines, l, &period));
         let dt = intervals(film.frames.len(), spacing);
         let setting = Setting { scale: &scale, period: &period, dt: &dt, stretched };
-        let energy = Energy::of(&net, &setting, before.map(|b| &b.energy));
+        let energy = Energy::of(&net, &setting, &[], before.map(|b| &b.energy));
         let kept = match knobs.cuts {
             Cuts::None => cut::all(&net, &energy, &scale, &period),
             _ => {

@@ -33,7 +33,7 @@ pub(crate) fn solve(
         }
         let is_bad = |i: &usize| slopes[*i] < SUSPECT;
         let which: Vec<bool> =
-            (0..energy.parts()).map(|p| energy.stretches_of(p).any(|i| is_bad(&i))).collect();
+            (0..energy.parts()).map(|p| energy.segments_of(p).any(|i| is_bad(&i))).collect();
         if !which.contains(&true) {
             break;
         }

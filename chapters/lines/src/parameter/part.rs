@@ -179,7 +179,7 @@ fn turn(net: &Net, once: &[Option<f64>], u: &mut [f64], origins: &mut [Origin]) 
 }
 
 /// The root of a line's tree, and what u of the line gains over the root's.
-fn root(trees: &mut [(u32, f64)], line: u32) -> (u32, f64) {
+pub(crate) fn root(trees: &mut [(u32, f64)], line: u32) -> (u32, f64) {
     let (mut at, mut more) = (line, 0.0);
     while trees[at as usize].0 != at {
         more += trees[at as usize].1;

@@ -1,0 +1,144 @@
+//! [`Gap`]: what is not drawn of a line between two strokes of it.
+
+use crate::path::{Kind, Path, Place};
+use crate::stroke::Stroke;
+use crate::visibility::Run;
+use std::collections::BTreeMap;
+
+/// Places on a chain that differ by less are one.
+const SAME: f64 = 1e-6;
+/// A line is seen to go on where it takes no longer way than so many times the distance, and these pixels.
+const DETOUR: (f64, f64) = (1.5, 4.0);
+
+/// A stretch of a line that is hidden, or left out, between the end of one stroke and the start of another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// The line's kind.
+    pub kind: Kind,
+    /// Its chain, in this frame.
+    pub chain: u32,
+    /// Where on the chain a stroke ends, and where one starts, as [`crate::Sample::on_chain`] has it.
+    pub on_chain: [f64; 2],
+    /// Its picture length, pixels.
+    pub length: f64,
+}
+
+/// A run of a path that is a stroke, or a part of one.
+#[derive(Clone, Copy)]
+pub(crate) struct Shown {
+    pub(crate) path: usize,
+    pub(crate) run: Run,
+    /// Whether the stroke starts, and whether it ends here.
+    pub(crate) is_end: [bool; 2],
+}
+
+/// The gaps between what is `shown` of some paths. What leaves the picture on its way is none, nor is what
+/// nobody would take for one line: outlines that turn back behind what they are of. The longest gap of a line
+/// that closes is its seam.
+pub(crate) fn gaps(paths: &[Path], mut shown: Vec<Shown>) -> Vec<Gap> {
+    shown.sort_by(|a, b| a.path.cmp(&b.path).then(a.run.start.total_cmp(&b.run.start)));
+    let mut gaps = Vec::new();
+    for own in shown.chunk_by(|a, b| a.path == b.path) {
+        let path = &paths[own[0].path];
+        let around = path.closed.then_some((own[own.len() - 1], own[0], true));
+        let pairs = own.windows(2).map(|p| (p[0], p[1], false)).chain(around);
+        let ends = pairs.filter(|(a, b, _)| a.is_end[1] && b.is_end[0]);
+        let mut all: Vec<Option<Gap>> =
+            ends.map(|(a, b, around)| gap(path, [a.run.end, b.run.start], around)).collect();
+        if path.closed && all.iter().all(Option::is_some) {
+            let length = |k: &usize| all[*k].map_or(0.0, |gap| gap.length);
+            if let Some(seam) = (0..all.len()).max_by(|a, b| length(a).total_cmp(&length(b))) {
+                all[seam] = None;
+            }
+        }
+        gaps.extend(all.into_iter().flatten());
+    }
+    gaps
+}
+
+/// The strokes of a frame between which gaps lie, by index: what ends, what starts, and how long the gap is.
+pub(crate) fn between<'a>(
+    strokes: impl Iterator<Item = &'a Stroke>,
+    gaps: &[Gap],
+) -> Vec<([usize; 2], f64)> {
+    let mut ends: BTreeMap<(Kind, u32, bool), Vec<(f64, usize)>> = BTreeMap::new();
+    for (i, stroke) in strokes.enumerate().filter(|(_, s)| !s.closed) {
+        for sample in [(stroke.samples.first(), true), (stroke.samples.last(), false)] {
+            if let (Some(sample), starts) = sample {
+                let of_chain = ends.entry((stroke.kind, sample.chain, starts)).or_default();
+                of_chain.push((sample.on_chain, i));
+            }
+        }
+    }
+    let at = |gap: &Gap, starts: bool| {
+        let place = gap.on_chain[usize::from(starts)];
+        let of_chain = ends.get(&(gap.kind, gap.chain, starts))?;
+        of_chain.iter().find(|end| (end.0 - place).abs() <= SAME).map(|end| end.1)
+    };
+    gaps.iter().filter_map(|gap| Some(([at(gap, false)?, at(gap, true)?], gap.length))).collect()
+}
+
+/// The gap between two places of a path, or past its last point where it is closed.
+fn gap(path: &Path, [from, to]: [Place; 2], around: bool) -> Option<Gap> {
+    let n = path.segments.len() as f64;
+    let once = |place: Place| if place > n { place - n } else { place };
+    let (pieces, turn) = match around {
+        true if from <= n => ([[from, n], [0.0, to]], path.total()),
+        true => ([[from - n, to], [to, to]], path.total()),
+        false => ([[from, to], [to, to]], 0.0),
+    };
+    let is_inside = pieces.iter().all(|[from, to]| {
+        let segments = (*from as usize)..(to.ceil() as usize).min(path.segments.len());
+        segments.into_iter().all(|k| path.seen[k].is_some() && !path.segments[k].outside)
+    });
+    let length = path.length_around(to) + turn - path.length_around(from);
+    let on_chain = [from, to].map(|place| path.point(once(place)).on_chain);
+    let whole = Gap { kind: path.kind, chain: path.chain, on_chain, length };
+    let ends = path.seen_at(from).zip(path.seen_at(to));
+    let (times, more) = DETOUR;
+    let goes_on = ends.is_some_and(|(a, b)| length <= times * a.at.distance(b.at) + more);
+    (is_inside && goes_on && length >= 0.0).then_some(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::{Point, Segment};
+    use crate::view::View;
+    use chiaro_basis::math::{DVec3, Vec3};
+    use chiaro_scene::{Pose, Projection};
+
+    #[test]
+    fn gaps_go_round_closed_paths() {
+        let projection = Projection::Orthographic { half_height: 50.0 };
+        let pose = Pose::look_at(Vec3::Z * 10.0, Vec3::ZERO, Vec3::Y, projection);
+        let view = View::new(pose, (100, 100));
+        let corners = [[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0], [-20.0, -20.0]];
+        let point = |(k, p): (usize, &[f64; 2])| {
+            let world = DVec3::new(p[0], p[1], 0.0);
+            Point { world, next: None, pushed: world, on_chain: k as f64 }
+        };
+        let points: Vec<Point> = corners.iter().enumerate().map(point).collect();
+        let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        let path = Path::new(Kind::Silhouette, 3, true, &points, &[plain; 4], &view, 0.0);
+        let shown =
+            |start: f64, end: f64| Shown { path: 0, run: Run { start, end }, is_end: [true; 2] };
+        let paths = [path];
+        let rounded = |x: f64| (1e6 * x).round() / 1e6;
+        let of = |shown: &[Shown]| -> Vec<([f64; 2], f64)> {
+            let gaps = gaps(&paths, shown.to_vec());
+            gaps.iter().map(|g| (g.on_chain.map(rounded), rounded(g.length))).collect()
+        };
+        let side = 40.0;
+        // The longest is the seam.
+        assert_eq!(of(&[shown(2.2, 2.9), shown(0.5, 1.0)]), [([1.0, 2.2], 1.2 * side)]);
+        assert_eq!(of(&[shown(1.2, 3.0), shown(3.5, 4.5)]), [([3.0, 3.5], 0.5 * side)]);
+        // Past the first point, and where a run is past it.
+        assert_eq!(of(&[shown(3.5, 3.8), shown(0.1, 1.0)]), [([3.8, 0.1], 0.3 * side)]);
+        assert_eq!(of(&[shown(1.5, 3.0), shown(3.9, 5.1)]), [([1.1, 1.5], 0.4 * side)]);
+        // Nobody takes what comes back after three sides for the same line.
+        assert_eq!(of(&[shown(0.2, 0.4), shown(0.5, 0.6)]), [([0.4, 0.5], 0.1 * side)]);
+        let joined = Shown { is_end: [true, false], ..shown(0.5, 1.0) };
+        assert_eq!(of(&[joined, shown(1.5, 3.0)]), []);
+    }
+}

@@ -1,0 +1,132 @@
+//! Lines that go on behind what hides them: u is on either side what it would be if nothing did.
+//!
+//! A gap between two strokes of one line is a row of (4.11), as long as the gap is in the picture. Which of these
+//! rows can be had with the links that are trusted is found as with links: lines that those join move as one, each
+//! gap says by how much one such group is to be moved beside another, the heaviest say comes first, and gaps that
+//! disagree with what came out are left out.
+
+use super::chart::components;
+use super::cut::Kept;
+use super::net::{Net, strokes};
+use crate::film::Film;
+use crate::gap::between;
+use std::collections::BTreeMap;
+
+/// Gaps count as no shorter than this, pixels: weights are the reciprocal of their length.
+pub(crate) const LEAST: f64 = 3.0;
+/// A gap's texture is stretched by this share of its length at most.
+const STRETCHED: f64 = 0.5;
+
+/// What is hidden between the end of one line and the start of another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Across {
+    /// The lines.
+    pub(crate) lines: [u32; 2],
+    /// The last sample of one and the first of the other.
+    pub(crate) unknowns: [u32; 2],
+    /// Picture length, pixels.
+    pub(crate) length: f64,
+    /// What u of the second has more than that for whole turns of the texture.
+    pub(crate) turns: f64,
+}
+
+/// The gaps of a film.
+fn found(film: &Film, net: &Net) -> Vec<Across> {
+    let mut all = Vec::new();
+    for (f, frame) in film.frames.iter().enumerate() {
+        let first = net.of_frame(f).start;
+        for (strokes, length) in between(strokes(frame), &frame.gaps) {
+            let lines = strokes.map(|s| (first + s) as u32);
+            let [a, b] = lines.map(|l| &net.lines[l as usize]);
+            let unknowns = [a.first + a.count - 1, b.first];
+            all.push(Across { lines, unknowns, length, turns: 0.0 });
+        }
+    }
+    all
+}
+
+/// The gaps that can be had with the links that are trusted; moves what those do not join in `kept` so that they
+/// are met as well as may be.
+pub(crate) fn agreeing(
+    film: &Film,
+    net: &Net,
+    kept: &mut Kept,
+    (scale, period): (&[f64], &[Option<f64>]),
+    sigma: f64,
+) -> Vec<Across> {
+    let mut all = found(film, net);
+    let own: Vec<u32> = (0..net.lines.len() as u32).collect();
+    let group = components(net, &kept.trust, &own);
+    let mut turn: Vec<Option<f64>> = vec![None; net.lines.len()];
+    for (line, period) in period.iter().enumerate() {
+        turn[group[line] as usize] = turn[group[line] as usize].or(*period);
+    }
+    // What a gap has too much, in units of u; whole turns of its texture are none.
+    let off = |u: &[f64], gap: &Across| {
+        let [a, b] = gap.unknowns.map(|k| u[k as usize]);
+        let [from, to] = gap.lines.map(|l| turn[group[l as usize] as usize]);
+        let off = b - a - gap.length / scale[gap.lines[1] as usize];
+        let turns = to.or(from).map_or(0.0, |p| (off / p).round() * p);
+        (off - turns, turns)
+    };
+    let says = says(&all, &group, |gap| off(&kept.u, gap).0);
+    let moved = moves(says, net.lines.len());
+    for (line, group) in net.lines.iter().zip(&group) {
+        let samples = line.first as usize..(line.first + line.count) as usize;
+        kept.u[samples].iter_mut().for_each(|u| *u += moved[*group as usize]);
+    }
+    all.retain_mut(|gap| {
+        let (off, turns) = off(&kept.u, gap);
+        gap.turns = turns;
+        let limit = sigma.max(STRETCHED * gap.length);
+        off.abs() * scale[gap.lines[1] as usize] <= limit
+    });
+    all
+}
+
+/// By how much the second of two groups is to be moved back beside the first, heaviest first.
+fn says(all: &[Across], group: &[u32], off: impl Fn(&Across) -> f64) -> Vec<([u32; 2], f64)> {
+    let mut between: BTreeMap<[u32; 2], Vec<(f64, f64)>> = BTreeMap::new();
+    for gap in all {
+        let [a, b] = gap.lines.map(|l| group[l as usize]);
+        let (key, sign) = if a < b { ([a, b], 1.0) } else { ([b, a], -1.0) };
+        if a != b {
+            between.entry(key).or_default().push((sign * off(gap), gap.length.max(LEAST).recip()));
+        }
+    }
+    let median = |mut say: Vec<(f64, f64)>| {
+        say.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all: f64 = say.iter().map(|s| s.1).sum();
+        let mut sum = 0.0;
+        let middle = say.iter().find(|s| {
+            sum += s.1;
+            sum >= 0.5 * all
+        });
+        (middle.map_or(0.0, |s| s.0), all)
+    };
+    let mut says: Vec<([u32; 2], f64, f64)> = between
+        .into_iter()
+        .map(|(key, say)| {
+            let (off, weight) = median(say);
+            (key, off, weight)
+        })
+        .collect();
+    says.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+    says.into_iter().map(|(key, off, _)| (key, off)).collect()
+}
+
+/// What u of each group gains.
+fn moves(says: Vec<([u32; 2], f64)>, count: usize) -> Vec<f64> {
+    let mut trees: Vec<(u32, f64)> = (0..count as u32).map(|g| (g, 0.0)).collect();
+    for ([a, b], off) in says {
+        let [(a, at_a), (b, at_b)] = [a, b].map(|g| super::part::root(&mut trees, g));
+        let (low, high, more) = match a < b {
+            true => (a, b, at_a - off - at_b),
+            false => (b, a, at_b + off - at_a),
+        };
+        if low != high {
+            trees[high as usize] = (low, more);
+        }
+    }
+    (0..count as u32).map(|g| super::part::root(&mut trees, g).1).collect()
+}
