@@ -19,9 +19,9 @@ use chiaro_basis::{Result, Run};
 use std::collections::BTreeMap;
 
 /// Scales of the robust weights, pixels.
-pub(crate) const ANNEAL: [f64; 8] = [200.0, 100.0, 50.0, 25.0, 12.0, 8.0, 8.0, 8.0];
+pub(crate) const ANNEAL: [f64; 5] = [200.0, 50.0, 12.0, 8.0, 8.0];
 /// The same where most contradictions are cut already.
-pub(crate) const AGAIN: [f64; 4] = [100.0, 30.0, 10.0, 8.0];
+pub(crate) const AGAIN: [f64; 3] = [100.0, 25.0, 8.0];
 /// w_proj of the stiff solve.
 const STIFF: f64 = 1e-3;
 /// Residuals below this share of a scale leave links trusted, by 0.89 at least.

@@ -9,11 +9,11 @@
 //! w_end  sum (L u_first)^2 dt + (L (u_last - 1))^2 dt    (4.8), stretched textures alone
 //! ```
 //!
-//! What is hidden of a line between two strokes spreads as evenly as what is seen: (4.11) over all of it is one row.
+//! What is hidden of a line between two strokes spreads evenly too: (4.11) over all of it is one row.
 //! Periodic textures leave one constant a component free; a weak anchor on every line holds it.
 
 use super::net::{Line, Link, Net};
-use super::onward::{Across, LEAST};
+use super::onward::{Across, LEAST, UNSEEN};
 use chiaro_solve::{Normal, Rows, Singular};
 
 /// Weight of the anchor, next to the others of order one.
@@ -115,7 +115,7 @@ impl Energy {
             let (scale, dt) = (setting.scale[l], setting.dt[net.lines[l].frame as usize]);
             rows.push(&[(b, scale), (a, -scale)]);
             let (ds, target) = (gap.length.max(LEAST), gap.length + scale * gap.turns);
-            stretches.push(Stretch { unknowns: [a, b], ds, weight: dt / ds, target });
+            stretches.push(Stretch { unknowns: [a, b], ds, weight: UNSEEN * dt / ds, target });
         }
         let mut links = Vec::with_capacity(net.links.len());
         for link in &net.links {

@@ -3,7 +3,7 @@
 //! A gap between two strokes of one line is a row of (4.11), as long as the gap is in the picture. Which of these
 //! rows can be had with the links that are trusted is found as with links: lines that those join move as one, each
 //! gap says by how much one such group is to be moved beside another, the heaviest say comes first, and gaps that
-//! disagree with what came out are left out.
+//! disagree with what came out by more than the sliding limit are left out.
 
 use super::chart::components;
 use super::cut::Kept;
@@ -14,8 +14,8 @@ use std::collections::BTreeMap;
 
 /// Gaps count as no shorter than this, pixels: weights are the reciprocal of their length.
 pub(crate) const LEAST: f64 = 3.0;
-/// A gap's texture is stretched by this share of its length at most.
-const STRETCHED: f64 = 0.5;
+/// What is hidden may stretch more readily than what is seen: the weight of its row beside those of segments.
+pub(crate) const UNSEEN: f64 = 0.25;
 
 /// What is hidden between the end of one line and the start of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,8 +78,7 @@ pub(crate) fn agreeing(
     all.retain_mut(|gap| {
         let (off, turns) = off(&kept.u, gap);
         gap.turns = turns;
-        let limit = sigma.max(STRETCHED * gap.length);
-        off.abs() * scale[gap.lines[1] as usize] <= limit
+        off.abs() * scale[gap.lines[1] as usize] <= sigma
     });
     all
 }
