@@ -4,7 +4,8 @@
 //! `cargo bench -p chiaro-binary --bench films -- SCENE [FRAMES] [knob=value...]` makes short films
 //! of a turning camera, of the scene's own animation, and of a light that turns, 360 pixels a side,
 //! and labels each with the knobs given, every `knob=value` in a row of its own beside the defaults
-//! (several joined by commas go into one row).
+//! (several joined by commas go into one row). `turning`, `playing` or `'moving light'` among the
+//! arguments makes that film alone.
 //!
 //! Films are compared with the frames' own pictures, which have round borders and no small islands
 //! either; first come the reversals that the tone does not make itself.
@@ -41,7 +42,10 @@ fn main() {
     let count = arguments.iter().filter_map(|a| a.parse().ok()).next().unwrap_or(32);
     let rows: Vec<&String> = arguments.iter().filter(|a| a.contains('=')).collect();
     let scene = open(name);
-    for motion in ["turning", "playing", "moving light"] {
+    let motions = ["turning", "playing", "moving light"];
+    let is_named = |motion: &str| arguments.iter().any(|a| a == motion);
+    let all = !motions.iter().any(|m| is_named(m));
+    for motion in motions.into_iter().filter(|m| all || is_named(m)) {
         let takes = Takes::of(&scene, motion, count);
         takes.report(motion, "defaults");
         rows.iter().for_each(|row| takes.report(motion, row));
@@ -132,14 +136,16 @@ impl Takes {
             let (name, value) = set.split_once('=').expect("checked");
             knobs.set(name, value).expect("a knob");
         }
-        let mut sums = [Flicker::default(), Flicker::default()];
+        // The film and the frames' own pictures behind the frames' cuts, and the film behind the pictures.
+        let mut sums = [Flicker::default(), Flicker::default(), Flicker::default()];
         let start = Instant::now();
         let labels = self.labelled(&knobs);
         let seconds = start.elapsed().as_secs_f64();
         for (i, ((cel, sight), labels)) in self.0.iter().zip(&labels).enumerate() {
             let (alone, cut) = cel.own(0);
             let own = cel.finished(0, &knobs).expect("weights are small");
-            for (sum, labels) in sums.iter_mut().zip([labels, &own]) {
+            let pairs = [(labels, alone), (&own, alone), (labels, &own)];
+            for (sum, (labels, alone)) in sums.iter_mut().zip(pairs) {
                 let shown = Shown {
                     labels,
                     covered: &cel.graph.mask,
@@ -151,10 +157,10 @@ impl Takes {
                 sum.add(i, &shown);
             }
         }
-        let [film, alone] = &sums;
+        let [film, alone, behind] = &sums;
         let ratio = |of: fn(&Flicker) -> f64| of(film) / of(alone).max(1e-12);
         println!(
-            "{motion:<13} {row:<28} reversals x {:.2} ({:.1e} of {:.1e}; with the tone's own, {:.1e} of {:.1e}, x {:.2}), energy over the frames' pictures +{:.2} % (over their cuts +{:.2} %, of it round borders and islands +{:.2} %), lag {:.2} px, pops {} of {} px, {:.0} ms a frame",
+            "{motion:<13} {row:<28} reversals x {:.2} ({:.1e} of {:.1e}; with the tone's own, {:.1e} of {:.1e}, x {:.2}), energy over the frames' pictures +{:.2} % (over their cuts +{:.2} %, of it round borders and islands +{:.2} %), lag {:.2} px behind their cuts ({:.2} behind their pictures, which are {:.2} behind the cuts), pops {} of {} px, {:.0} ms a frame",
             ratio(Flicker::flicker_per_pixel),
             film.flicker_per_pixel(),
             alone.flicker_per_pixel(),
@@ -165,6 +171,8 @@ impl Takes {
             100.0 * film.energy_excess(),
             100.0 * alone.energy_excess(),
             film.lag_px(),
+            behind.lag_px(),
+            alone.lag_px(),
             film.pop_p99(),
             alone.pop_p99(),
             1e3 * seconds / self.0.len() as f64,

@@ -1,8 +1,8 @@
 //! Films (section 3.8, which the thesis leaves open): labels that agree along the motion.
 //!
 //! The graph of a frame is joined to the one before by edges along the exact motion of each
-//! material point ([`links`](chiaro_trace::links)), each worth `coherence` times N~, and the volume
-//! is cut. A film is cut in windows of a few frames, so that memory is bounded:
+//! material point ([`links`](chiaro_trace::links)), each worth about `coherence` times N~ (less where
+//! much changes, see `holds`), and the volume is cut. A film is cut in windows of a few frames, so that memory is bounded:
 //!
 //! 1. The shot is divided into blocks of [`BLOCK`] frames. The first frame of a block is a *key*:
 //!    it is labelled by the cut of the window centred on it, and so depends on those frames alone.
@@ -22,8 +22,9 @@
 
 use crate::cel::Cel;
 use crate::island::{recoloured, without_islands};
-use crate::knob::BinaryKnobs;
-use crate::window::{Known, cut_window, link_capacity, pull};
+use crate::knob::{BinaryKnobs, scaled};
+use crate::mend::{Costs, pixels_of};
+use crate::window::{Bond, Known, cut_window, pull};
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_image::labels::{UNCOVERED, components};
@@ -36,6 +37,16 @@ pub const BLOCK: usize = 16;
 
 /// Frames that a new piece must outlast.
 const LIFE: usize = 2;
+
+/// The share of labels that change by themselves from a frame to the next at which links are worth
+/// what `coherence` says, and how much more or less they may be worth.
+const USUAL_CHANGE: f32 = 0.022;
+const LEAST_STRENGTH: f32 = 0.3;
+const MOST_STRENGTH: f32 = 1.35;
+
+/// The side of the squares in which changes are summed, pixels at 480, and in small pictures.
+const CHANGE_SIDE: f32 = 16.0;
+const LEAST_CHANGE_SIDE: usize = 8;
 
 /// Which frames are cut together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +86,8 @@ pub struct Film<'a, C> {
     knobs: &'a BinaryKnobs,
     /// Frames at hand, from `first` on.
     cels: VecDeque<C>,
+    /// How strongly each holds on to the frame before it, by layer.
+    holds: VecDeque<Vec<i32>>,
     first: usize,
     /// Labels of keys that were cut already, by layer.
     keys: BTreeMap<usize, Vec<Plane<u8>>>,
@@ -83,7 +96,14 @@ pub struct Film<'a, C> {
 impl<'a, C: AsRef<Cel>> Film<'a, C> {
     /// A film of which nothing is labelled yet.
     pub fn new(plan: Plan, knobs: &'a BinaryKnobs) -> Self {
-        Self { plan, knobs, cels: VecDeque::new(), first: 0, keys: BTreeMap::new() }
+        Self {
+            plan,
+            knobs,
+            cels: VecDeque::new(),
+            holds: VecDeque::new(),
+            first: 0,
+            keys: BTreeMap::new(),
+        }
     }
 
     /// Labels the frames of a block in order and hands each to `done` with its cel. `fetch` makes
@@ -99,6 +119,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         let needed = self.plan.needed(block);
         if self.first + self.cels.len() < needed.start {
             self.cels.clear();
+            self.holds.clear();
             self.first = needed.start;
         }
         let mut before = self.key(block.start, fetch, run)?;
@@ -142,9 +163,9 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
             let labels = self.cut(around.clone(), layer, &Known::default(), run)?;
             let cel = self.cel(key).as_ref();
             let at = key - around.start;
-            let before = at.checked_sub(1).map(|i| &labels[i]);
-            let after = labels.get(at + 1).map(|after| (self.cel(key + 1).as_ref(), after));
-            let held = held((cel, layer), before, after, self.knobs);
+            let before = at.checked_sub(1).map(|i| (&labels[i], self.hold(key, layer)));
+            let after = labels.get(at + 1).map(|after| self.bond(key + 1, layer, after));
+            let held = held((cel, layer), before, after);
             let clean = cel.costs(&held, layer).finished(&labels[at], self.knobs)?;
             settled.push(cel.kept(layer, clean));
         }
@@ -160,11 +181,29 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         (before, key): (&Plane<u8>, Option<&Plane<u8>>),
         run: &Run,
     ) -> Result<Plane<u8>> {
-        let after = key.map(|labels| (&self.cel(window.end).as_ref().links, labels));
+        let after = key.map(|labels| self.bond(window.end, layer, labels));
         let known = Known { before: Some(before), after };
         let labels = self.cut(window.clone(), layer, &known, run)?;
+        let first = window.start;
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
-        Ok(cels[0].kept(layer, settled((&labels, layer), &cels, before, self.knobs)?))
+        let after = labels.get(1).map(|after| self.bond(first + 1, layer, after));
+        let held = held((cels[0], layer), Some((before, self.hold(first, layer))), after);
+        let clean = cels[0].costs(&held, layer).finished(&labels[0], self.knobs)?;
+        let costs = cels[0].costs(&held, layer);
+        let dearest = self.hold(first, layer);
+        let clean = lasting((clean, &costs, dearest), &labels, &cels, before, self.knobs);
+        Ok(cels[0].kept(layer, clean))
+    }
+
+    /// How strongly a frame holds on to the one before.
+    fn hold(&self, frame: usize, layer: usize) -> i32 {
+        self.holds[frame - self.first][layer]
+    }
+
+    /// The links to a frame of known labels after.
+    fn bond<'b>(&'b self, frame: usize, layer: usize, labels: &'b Plane<u8>) -> Bond<'b> {
+        let links = &self.cel(frame).as_ref().links;
+        Bond { links, labels, capacity: self.hold(frame, layer) }
     }
 
     fn cut(
@@ -174,10 +213,11 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         known: &Known,
         run: &Run,
     ) -> Result<Vec<Plane<u8>>> {
-        let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
+        let cels: Vec<&Cel> = window.clone().map(|i| self.cel(i).as_ref()).collect();
+        let holds: Vec<i32> = window.map(|i| self.hold(i, layer)).collect();
         run.check()?;
         let pixels = cels.iter().map(|c| c.graph.mask.len() as u64).sum();
-        run.stage("cut", pixels, || cut_window((&cels, layer), known, self.knobs))
+        run.stage("cut", pixels, || cut_window((&cels, layer), &holds, known))
     }
 
     fn cel(&self, frame: usize) -> &C {
@@ -187,6 +227,8 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
     fn gather(&mut self, end: usize, fetch: &mut dyn FnMut(usize) -> Result<C>) -> Result<()> {
         while self.first + self.cels.len() < end {
             let next = fetch(self.first + self.cels.len())?;
+            let before = self.cels.back().map(AsRef::as_ref);
+            self.holds.push_back(holds(next.as_ref(), before, self.knobs));
             self.cels.push_back(next);
         }
         Ok(())
@@ -196,33 +238,76 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
     fn forget(&mut self, frame: usize) {
         while self.first < frame {
             self.cels.pop_front();
+            self.holds.pop_front();
             self.first += 1;
         }
     }
 }
 
-/// The labels of the first frame of a window without specks, neither those of a small area nor
-/// those of a short life: a piece that is new and of which less than half is left in one of the next
-/// [`LIFE`] frames is taken away at once.
-fn settled(
-    (labels, layer): (&[Plane<u8>], usize),
+/// How strongly the layers of a frame hold on to those of the frame before: the capacity of a link.
+/// Links add up over areas, as terminals do: they do not grow with the picture.
+///
+/// Where much changes by itself, links delay true changes and cost more than they steady; where
+/// little does, stronger ones cost next to nothing: the capacity goes by the inverse root of the share
+/// that changes, which keeps what it costs about the same from film to film and within one.
+fn holds(cel: &Cel, before: Option<&Cel>, knobs: &BinaryKnobs) -> Vec<i32> {
+    let usual = knobs.coherence * knobs.neighbour * cel.graph.scale;
+    let hold = |layer| {
+        let share = before.map_or(USUAL_CHANGE, |before| changing(cel, before, layer));
+        let strength = (USUAL_CHANGE / share.max(1e-6)).sqrt();
+        (usual * strength.clamp(LEAST_STRENGTH, MOST_STRENGTH)).round() as i32
+    };
+    (0..cel.depth()).map(hold).collect()
+}
+
+/// The share of the links of a frame along which its own labels change, but for what comes and goes
+/// side by side: noise at borders is no change.
+fn changing(cel: &Cel, before: &Cel, layer: usize) -> f32 {
+    let (here, there) = (cel.own(layer).0, before.own(layer).0.pixels());
+    let (width, height) = here.size();
+    let side = (scaled(CHANGE_SIDE, height).ceil() as usize).max(LEAST_CHANGE_SIDE);
+    let across = width.div_ceil(side);
+    let count = cel.count(layer);
+    let blocks = across * height.div_ceil(side);
+    let (mut gained, mut flips) = (vec![0i32; blocks * count], vec![0u32; blocks]);
+    let mut seen = 0u32;
+    for (p, to) in cel.links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED) {
+        let block = p / width / side * across + p % width / side;
+        let (label, former) = (here.pixels()[p], there[*to as usize]);
+        gained[block * count + usize::from(label)] += 1;
+        gained[block * count + usize::from(former)] -= 1;
+        flips[block] += u32::from(label != former);
+        seen += 1;
+    }
+    // By chance, of n flips either way some root of n are left over.
+    let changed = |(gained, flips): (&[i32], &u32)| {
+        let left: u32 = gained.iter().map(|g| g.unsigned_abs()).sum();
+        (0.5 * left as f32 - (*flips as f32).sqrt()).max(0.0)
+    };
+    let changed: f32 = gained.chunks(count).zip(&flips).map(changed).sum();
+    changed / seen.max(1) as f32
+}
+
+/// Labels of the first frame of a window without those of a short life: a piece that is new and of
+/// which less than half is left in one of the next [`LIFE`] frames is taken away at once, if that
+/// costs no more than `link` for each of its pixels.
+fn lasting(
+    (clean, costs, link): (Plane<u8>, &Costs<'_>, i32),
+    labels: &[Plane<u8>],
     cels: &[&Cel],
     before: &Plane<u8>,
     knobs: &BinaryKnobs,
-) -> Result<Plane<u8>> {
+) -> Plane<u8> {
     let mask = &cels[0].graph.mask;
     let area = knobs.island_area(mask.height());
-    let after = cels.get(1).map(|after| (*after, &labels[1]));
-    let held = held((cels[0], layer), Some(before), after, knobs);
-    let clean = cels[0].costs(&held, layer).finished(&labels[0], knobs)?;
     if area <= 0.0 {
-        return Ok(clean);
+        return clean;
     }
     let pieces = components(&clean, mask);
     let count = pieces.pieces.len();
     let is_new = mostly_new(&pieces.ids, &clean, cels[0], before, count);
     if !is_new.contains(&true) {
-        return Ok(clean);
+        return clean;
     }
     let mut lasts = vec![true; count];
     let mut owner = pieces.ids.clone();
@@ -241,29 +326,33 @@ fn settled(
             lasts[id] &= 2 * kept[id] >= seen[id];
         }
     }
-    let goes = |id: usize| is_new[id] && !lasts[id] && pieces.pieces[id].touches_other;
-    Ok(without_islands(&recoloured(&clean, &pieces, mask, &goes), mask, area))
+    let is_cheap = |id: usize| {
+        let piece = &pieces.pieces[id];
+        let pixels = pixels_of(piece, &pieces.ids, id as u32);
+        costs.removal(&clean, &pixels, piece.label) <= i64::from(link) * piece.area as i64
+    };
+    let goes =
+        |id: usize| is_new[id] && !lasts[id] && pieces.pieces[id].touches_other && is_cheap(id);
+    without_islands(&recoloured(&clean, &pieces, mask, &goes), mask, area)
 }
 
 /// The prices of a frame's layer with the pull of its links to the labels before and after it.
 fn held(
     (cel, layer): (&Cel, usize),
-    before: Option<&Plane<u8>>,
-    after: Option<(&Cel, &Plane<u8>)>,
-    knobs: &BinaryKnobs,
+    before: Option<(&Plane<u8>, i32)>,
+    after: Option<Bond<'_>>,
 ) -> Vec<i32> {
-    let link = link_capacity(cel, knobs);
     let count = cel.count(layer);
     let mut prices = cel.prices(layer).to_vec();
-    if let Some(before) = before {
+    if let Some((before, link)) = before {
         for (p, to) in cel.links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED) {
             pull(&mut prices[p * count..][..count], before.pixels()[*to as usize], link);
         }
     }
-    if let Some((after, labels)) = after {
-        for (to, label) in after.links.pixels().iter().zip(labels.pixels()) {
+    if let Some(Bond { links, labels, capacity }) = after {
+        for (to, label) in links.pixels().iter().zip(labels.pixels()) {
             if *to != UNLINKED {
-                pull(&mut prices[*to as usize * count..][..count], *label, link);
+                pull(&mut prices[*to as usize * count..][..count], *label, capacity);
             }
         }
     }
@@ -286,4 +375,45 @@ fn mostly_new(
         }
     }
     new.iter().zip(&seen).map(|(n, s)| *s > 0 && 4 * n > 3 * s).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cut::Graph;
+    use chiaro_basis::random;
+
+    /// A square of pixels that are white where `is_white` holds for their places.
+    fn square(knobs: &BinaryKnobs, is_white: impl Fn(usize) -> bool + Sync) -> Cel {
+        let (w, h) = (64, 64);
+        let covered = Plane::filled(w, h, true);
+        let white = Plane::from_fn(w, h, |x, y| is_white(y * w + x));
+        let difference = white.map(|white| if *white { 0.5 } else { -0.5 });
+        let graph = Graph::new(&covered, &difference, &Plane::filled(w, h, [0.0; 4]), knobs);
+        Cel::new(graph, Plane::from_fn(w, h, |x, y| (y * w + x) as u32)).expect("small weights")
+    }
+
+    #[test]
+    fn frames_hold_on_the_less_the_more_changes() {
+        let knobs = BinaryKnobs::default();
+        let first = square(&knobs, |_| false);
+        let usual = knobs.coherence * knobs.neighbour * first.graph.scale;
+        let strength = |rows: usize| {
+            let cel = square(&knobs, |p| p < 64 * rows);
+            holds(&cel, Some(&first), &knobs)[0] as f32 / usual
+        };
+        assert!((strength(0) - MOST_STRENGTH).abs() < 1e-2);
+        assert!((strength(64) - LEAST_STRENGTH).abs() < 1e-2);
+        // All changes in an eighth of the squares of eight: 64 pixels each, of which eight by chance.
+        assert!((strength(8) - (USUAL_CHANGE * 8.0 * 64.0 / 56.0).sqrt()).abs() < 1e-2);
+        assert_eq!(holds(&first, None, &knobs), [usual.round() as i32]);
+    }
+
+    #[test]
+    fn noise_is_no_change() {
+        let knobs = BinaryKnobs::default();
+        let noisy = |seed| square(&knobs, move |p| random::unit(seed, p as u64) < 0.5);
+        let share = changing(&noisy(1), &noisy(2), 0);
+        assert!(share < 0.02, "{share}");
+    }
 }

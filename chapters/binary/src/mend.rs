@@ -51,6 +51,24 @@ impl Costs<'_> {
         without_islands(&grown, self.mask, area)
     }
 
+    /// What it costs to give a piece of one label the one that is beside it most.
+    pub(crate) fn removal(&self, labels: &Plane<u8>, pixels: &[(usize, usize)], label: u8) -> i64 {
+        let mut border: BTreeMap<u8, i64> = BTreeMap::new();
+        let (mut costs, mut all) = (0, 0);
+        for p in pixels {
+            costs -= self.price(*p, label);
+            for (q, bond) in self.around(*p).filter(|(q, _)| labels[*q] != label) {
+                *border.entry(labels[q]).or_default() += bond;
+                all += bond;
+            }
+        }
+        let Some((other, _)) = border.iter().max_by_key(|(_, bonds)| **bonds) else { return 0 };
+        costs += pixels.iter().map(|p| self.price(*p, *other)).sum::<i64>();
+        // What is beside it in a third label stays a border.
+        let rest: i64 = border.iter().filter(|(l, _)| *l != other).map(|(_, bonds)| bonds).sum();
+        costs + rest - all
+    }
+
     /// How often a border between two labels costs its bond.
     pub(crate) fn apart(&self, a: u8, b: u8) -> i32 {
         let steps = i32::from(a.abs_diff(b));
@@ -98,6 +116,13 @@ impl Costs<'_> {
         let bonds = self.around(p).map(|(q, bond)| bond * (paid(q, label) - paid(q, own)));
         self.price(p, label) - self.price(p, own) + bonds.sum::<i64>()
     }
+}
+
+/// The pixels of piece `id`.
+pub(crate) fn pixels_of(piece: &Piece<u8>, ids: &Plane<u32>, id: u32) -> Vec<(usize, usize)> {
+    let (first, last) = (piece.first, piece.last);
+    let rows = (first.1..=last.1).flat_map(|y| (first.0..=last.0).map(move |x| (x, y)));
+    rows.filter(|p| ids[*p] == id).collect()
 }
 
 /// How a piece could grow.
@@ -154,34 +179,14 @@ impl<'a> Growing<'a> {
 
     /// The pixels that a piece began with, as far as they are still its own.
     fn pixels(&self, id: u32) -> Vec<(usize, usize)> {
-        let Piece { first, last, .. } = self.pieces[id as usize];
-        let rows = (first.1..=last.1).flat_map(|y| (first.0..=last.0).map(move |x| (x, y)));
-        rows.filter(|p| self.ids[*p] == id).collect()
-    }
-
-    /// What it costs to give a piece the label that is beside it most.
-    fn removal(&self, pixels: &[(usize, usize)], label: u8) -> i64 {
-        let mut border: BTreeMap<u8, i64> = BTreeMap::new();
-        let (mut costs, mut all) = (0, 0);
-        for p in pixels {
-            costs -= self.costs.price(*p, label);
-            for (q, bond) in self.costs.around(*p).filter(|(q, _)| self.labels[*q] != label) {
-                *border.entry(self.labels[q]).or_default() += bond;
-                all += bond;
-            }
-        }
-        let Some((other, _)) = border.iter().max_by_key(|(_, bonds)| **bonds) else { return 0 };
-        costs += pixels.iter().map(|p| self.costs.price(*p, *other)).sum::<i64>();
-        // What is beside it in a third label stays a border.
-        let rest: i64 = border.iter().filter(|(l, _)| *l != other).map(|(_, bonds)| bonds).sum();
-        costs + rest - all
+        pixels_of(&self.pieces[id as usize], &self.ids, id)
     }
 
     /// Lets a piece grow if that is cheaper than its removal.
     fn grow(&mut self, id: u32) {
         let label = self.pieces[id as usize].label;
         let pixels = self.pixels(id);
-        let removal = self.removal(&pixels, label);
+        let removal = self.costs.removal(&self.labels, &pixels, label);
         if let Some(growth) = self.growth(&pixels, label, removal) {
             growth.added.iter().for_each(|(p, _)| self.labels[*p] = label);
             self.take(&growth);

@@ -17,7 +17,7 @@
 
 use crate::cel::{Cel, all_apart};
 use crate::geometry::EDGES;
-use crate::knob::{BinaryKnobs, scaled};
+use crate::knob::scaled;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
 use chiaro_mincut::{
@@ -33,17 +33,29 @@ const MARGIN: f32 = 8.0;
 pub(crate) struct Known<'a> {
     /// The labels of the frame before the first.
     pub(crate) before: Option<&'a Plane<u8>>,
-    /// The links and the labels of the frame after the last.
-    pub(crate) after: Option<(&'a Plane<u32>, &'a Plane<u8>)>,
+    /// The frame after the last.
+    pub(crate) after: Option<Bond<'a>>,
 }
 
-/// The labels of a layer of consecutive frames, cut together.
+/// Links to a frame whose labels are known, from the one after the window.
+#[derive(Clone, Copy)]
+pub(crate) struct Bond<'a> {
+    /// For each pixel of the frame the pixel that it was, in the one before.
+    pub(crate) links: &'a Plane<u32>,
+    /// The labels of the frame.
+    pub(crate) labels: &'a Plane<u8>,
+    /// What each link is worth.
+    pub(crate) capacity: i32,
+}
+
+/// The labels of a layer of consecutive frames, cut together; `holds` is what a link of each frame to
+/// the one before is worth.
 pub(crate) fn cut_window(
     (cels, layer): (&[&Cel], usize),
+    holds: &[i32],
     known: &Known,
-    knobs: &BinaryKnobs,
 ) -> Result<Vec<Plane<u8>>> {
-    let volume = Volume::new((cels, layer), known, knobs);
+    let volume = Volume::new((cels, layer), holds, known);
     let (width, height) = cels[0].graph.mask.size();
     let labels = volume.solve(width, height)?;
     Ok(labels
@@ -52,19 +64,13 @@ pub(crate) fn cut_window(
         .collect())
 }
 
-/// The capacity of a link. Links add up over areas, as terminals do: they do not grow with the
-/// picture.
-pub(crate) fn link_capacity(cel: &Cel, knobs: &BinaryKnobs) -> i32 {
-    (knobs.coherence * knobs.neighbour * cel.graph.scale).round() as i32
-}
-
 /// Frames one after the other, flat.
 struct Volume<'a> {
     cels: &'a [&'a Cel],
     /// Pixels of a frame.
     frame: usize,
-    /// The capacity of a link.
-    link: i32,
+    /// The capacity of a link of each frame to the one before.
+    holds: &'a [i32],
     /// How many labels there are.
     count: usize,
     /// Each frame's own labels.
@@ -85,11 +91,11 @@ pub(crate) fn pull(prices: &mut [i32], label: u8, capacity: i32) {
 }
 
 impl<'a> Volume<'a> {
-    fn new((cels, layer): (&'a [&'a Cel], usize), known: &Known, knobs: &BinaryKnobs) -> Self {
+    fn new((cels, layer): (&'a [&'a Cel], usize), holds: &'a [i32], known: &Known) -> Self {
         let mut volume = Self {
             cels,
             frame: cels[0].graph.mask.len(),
-            link: link_capacity(cels[0], knobs),
+            holds,
             count: cels[0].count(layer),
             alone: cels.iter().flat_map(|c| c.own(layer).0.pixels()).copied().collect(),
             free: Vec::new(),
@@ -127,7 +133,7 @@ impl<'a> Volume<'a> {
                 marked[p] |= *to != UNLINKED && before.pixels()[*to as usize] != self.alone[p];
             }
         }
-        if let Some((links, labels)) = known.after {
+        if let Some(Bond { links, labels, .. }) = known.after {
             let last = self.alone.len() - self.frame;
             for (to, label) in links.pixels().iter().zip(labels.pixels()) {
                 if *to != UNLINKED && self.alone[last + *to as usize] != *label {
@@ -176,15 +182,15 @@ impl<'a> Volume<'a> {
         if let Some(before) = known.before {
             for (p, to) in self.cels[0].links.pixels().iter().enumerate() {
                 if *to != UNLINKED {
-                    self.draw(p, before.pixels()[*to as usize], self.link);
+                    self.draw(p, before.pixels()[*to as usize], self.holds[0]);
                 }
             }
         }
-        if let Some((links, labels)) = known.after {
+        if let Some(Bond { links, labels, capacity }) = known.after {
             let last = self.alone.len() - self.frame;
             for (to, label) in links.pixels().iter().zip(labels.pixels()) {
                 if *to != UNLINKED {
-                    self.draw(last + *to as usize, *label, self.link);
+                    self.draw(last + *to as usize, *label, capacity);
                 }
             }
         }
@@ -224,7 +230,7 @@ impl<'a> Volume<'a> {
     fn pull_of_links(&mut self) {
         let links: Vec<(usize, usize)> = self.links().collect();
         for (p, q) in links {
-            self.bind(p, q, self.link);
+            self.bind(p, q, self.holds[p / self.frame]);
         }
     }
 
@@ -239,7 +245,7 @@ impl<'a> Volume<'a> {
         let mut time: Vec<Option<TimeLink>> = vec![None; mask.len()];
         for (p, q) in self.links().filter(|(p, q)| free[*p] && free[*q]) {
             let to = (crop.place(q) % crop.pixels()) as u32;
-            time[crop.place(p)] = Some(TimeLink { to, capacity: [self.link; 2] });
+            time[crop.place(p)] = Some(TimeLink { to, capacity: [self.holds[p / self.frame]; 2] });
         }
         let found = match self.count {
             2 => self.cut(&crop, &mask, &neighbour, &time)?,
