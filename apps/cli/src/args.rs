@@ -371,7 +371,8 @@ impl MapArgs {
 /// Paper and pen.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct PrintArgs {
-    /// Paper for vectors: A4, letter, A3-landscape, 200x300mm [default: the picture's own size].
+    /// Paper for vectors and .tif: A4, letter, A3-landscape, 200x300mm [default: the picture's own size].
+    /// A .tif without --size fills it at 600 dots an inch.
     #[arg(long, value_name = "PAPER")]
     paper: Option<String>,
     /// What stays free on every side of the paper.
@@ -510,6 +511,7 @@ impl SceneArgs {
         };
         let options = Options {
             size: self.size.as_deref().map(parse_size).transpose()?,
+            paper: None,
             camera: self.camera.clone(),
             from: point("--from", &self.from)?,
             look_at: point("--look-at", &self.look_at)?,

@@ -75,18 +75,19 @@ struct Drawing<'a> {
 
 fn binary(drawing: &Drawing, run: &Run) -> Result<Record> {
     let Drawing { scene, output, ink, print, stencil, maps, dump_graph } = *drawing;
-    let options = scene.options()?;
+    let mut options = scene.options()?;
     let (style, knobs) = knobs(ink)?;
     let sequence = sequence(scene, &options, maps)?;
     let scene_frames = || options.frames.as_ref().map_or(1, Vec::len);
     let frames = sequence.as_ref().map_or_else(scene_frames, |s| s.frames().len());
     let target = Target::parse(output, frames)?;
-    binary::check_target(&target)?;
+    let print = print.print()?;
+    options.paper = binary::printed(&target, &print)?;
     let look = Look {
         style: &style,
         knobs: &knobs,
         colours: ink.colours.colours(&style)?,
-        print: print.print()?,
+        print,
         painting: maps.painting()?,
         stencil: stencil.cutting()?,
     };

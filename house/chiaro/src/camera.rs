@@ -1,9 +1,10 @@
 //! Which camera looks, and how large the picture is.
 
 use crate::number::{LONGEST_SIDE, MOST_PIXELS};
-use crate::project::Project;
+use crate::project::{Options, PRINT_DPI, Project};
 use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Error, Result, Run, nearest};
+use chiaro_ink::Sheet;
 use chiaro_scene::{Bounds, Frame, Pose, Projection};
 use chiaro_trace::view;
 use serde_json::{Map, Value, json};
@@ -54,7 +55,7 @@ impl Camera {
         };
         let camera = &cameras[index];
         let aspect = camera.aspect.filter(|a| a.is_finite() && *a > 0.0).unwrap_or(4.0 / 3.0);
-        let size = project.options.size.unwrap_or_else(|| size_for(aspect));
+        let size = size(&project.options, aspect)?;
         let fov = project.options.fov.map(f32::to_radians);
         let note = match camera.name.as_str() {
             "" => format!("camera {index} of the scene"),
@@ -68,7 +69,7 @@ impl Camera {
         let first = frames.first().expect("a shot has a frame");
         let tracer = project.tracer(first);
         let framing = view::Framing::of(&tracer, frames);
-        let size = o.size.unwrap_or_else(|| size_for(framing.aspect(o.orbit)));
+        let size = size(o, framing.aspect(o.orbit))?;
         let aspect = size.0 as f32 / size.1 as f32;
         let (mut pose, setting) = framing.view(aspect, o.orbit);
         let mut note = match setting {
@@ -190,6 +191,31 @@ fn find_camera(project: &Project, name: &str) -> Result<usize> {
     })
 }
 
+/// The picture's size, of an aspect (width over height) where nobody chose it.
+fn size(options: &Options, aspect: f32) -> Result<(usize, usize)> {
+    match (options.size, &options.paper) {
+        (Some(size), _) => Ok(size),
+        (None, Some(sheet)) => print_size(sheet, aspect),
+        (None, None) => Ok(size_for(aspect)),
+    }
+}
+
+/// The size of a picture of an aspect that fills what the margins leave of a sheet.
+fn print_size(sheet: &Sheet, aspect: f32) -> Result<(usize, usize)> {
+    // Of a shape as large as needed for the rounding to be far under a dot.
+    let shape = ((1e6 * f64::from(aspect)).round().max(1.0) as usize, 1_000_000);
+    let dots = PRINT_DPI / sheet.place(shape)?.dpi();
+    let [w, h] = [shape.0, shape.1].map(|side| (side as f64 * dots).round().max(1.0) as usize);
+    if w.max(h) > LONGEST_SIDE || w * h > MOST_PIXELS {
+        let range = format!(
+            "smaller paper, or a --size: at {PRINT_DPI} dots an inch, {} megapixels at most",
+            MOST_PIXELS / 1_000_000
+        );
+        return Err(Error::setting("--paper", format!("{w}x{h} dots"), range));
+    }
+    Ok((w, h))
+}
+
 /// The picture size for an aspect (width over height).
 fn size_for(aspect: f32) -> (usize, usize) {
     let (w, h) = if aspect >= 1.0 {
@@ -213,4 +239,22 @@ fn by_hand_view(
     let distance = (default.position - bounds.centre()).length();
     let eye = from.map_or(target - default.forward * distance, Vec3::from);
     Pose::look_at(eye, target, Vec3::Y, default.projection)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prints_fill_what_the_margins_leave() {
+        let mut sheet = Sheet { margin: 10.0, ..Sheet::default() };
+        sheet.set_paper("A4").expect("a paper");
+        // 190 and 277 mm at 600 dots an inch; the paper is turned for what is wide.
+        assert_eq!(print_size(&sheet, 0.5).expect("fits"), (3272, 6543));
+        assert_eq!(print_size(&sheet, 2.0).expect("fits"), (6543, 3272));
+        assert_eq!(print_size(&sheet, 0.9).expect("fits"), (4488, 4987));
+        sheet.set_paper("A0").expect("a paper");
+        let error = print_size(&sheet, 1.0).expect_err("too large").to_string();
+        assert!(error.contains("--size"), "{error}");
+    }
 }

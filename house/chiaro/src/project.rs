@@ -4,11 +4,15 @@ use crate::disk::{self, Folder};
 use crate::number;
 use crate::pattern::matches;
 use chiaro_basis::{Error, Result, Run, nearest};
+use chiaro_ink::Sheet;
 use chiaro_scene::load::{self, Budget, Door, Up};
 use chiaro_scene::{Choice, Frame, Playback, Poser, Scene, demo};
 use chiaro_trace::{Hierarchy, Tracer};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Dots an inch of a print whose size nobody chose.
+pub const PRINT_DPI: f64 = 600.0;
 
 /// Options that every command on a scene shares, as the user typed them; empty ones take their
 /// defaults.
@@ -16,6 +20,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Options {
     /// Picture size in pixels; `None`: from the camera or the shape.
     pub size: Option<(usize, usize)>,
+    /// Paper that a picture of a scene fills at [`PRINT_DPI`] where it has no size.
+    pub paper: Option<Sheet>,
     /// Camera by name or index; `None`: the first, or the default view.
     pub camera: Option<String>,
     /// The eye, in scene units.
@@ -54,6 +60,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             size: None,
+            paper: None,
             camera: None,
             from: None,
             look_at: None,

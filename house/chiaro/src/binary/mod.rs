@@ -24,6 +24,7 @@ use crate::style::Style;
 use crate::vector::Print;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{BinaryKnobs, Exposure};
+use chiaro_ink::Sheet;
 use reel::Labelling;
 use serde_json::{Map, Value};
 use std::path::PathBuf;
@@ -90,9 +91,12 @@ pub struct Job<'a> {
     pub dump_graph: Option<PathBuf>,
 }
 
-/// Whether a binary job can write such a file.
-pub fn check_target(target: &Target) -> Result<()> {
-    Encoding::of(target).map(drop)
+/// The paper that a picture without a size is to fill, if its file holds dots for a print.
+///
+/// # Errors
+/// [`chiaro_basis::Error::Setting`] where a binary job cannot write such a file.
+pub fn printed(target: &Target, print: &Print) -> Result<Option<Sheet>> {
+    Ok(Encoding::of(target)?.fills(print))
 }
 
 impl Job<'_> {

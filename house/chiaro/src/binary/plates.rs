@@ -4,12 +4,12 @@ use super::stencil::{sheet_count, stacked};
 use super::{Look, Picture};
 use crate::colours::Colours;
 use crate::film::Target;
-use crate::vector::{self, Plate};
+use crate::vector::{self, Plate, Print};
 use chiaro_basis::{Error, Result};
 use chiaro_binary::{Palette, one_bit};
 use chiaro_image::colour::to_byte;
 use chiaro_image::{Plane, codec};
-use chiaro_ink::Colour;
+use chiaro_ink::{Colour, Sheet};
 use serde_json::{Map, Value, json};
 
 /// How a frame becomes bytes.
@@ -35,6 +35,12 @@ impl Encoding {
                 "a file name that ends in .png, .apng, .gif, .mp4, .webm, .svg, .pbm or .tif",
             )),
         }
+    }
+
+    /// The paper that a picture without a size is to fill.
+    pub(crate) fn fills(self, print: &Print) -> Option<Sheet> {
+        let sheet = print.sheet;
+        (self == Self::Tiff && sheet.paper.is_some() && sheet.fits).then_some(sheet)
     }
 
     /// Whether paper and pen change what a file holds.
