@@ -1,6 +1,6 @@
 //! Ambient occlusion: the cosine-weighted share of the hemisphere that is open.
 //!
-//! 1. A sample is taken at every pixel, in large pictures at one of four. A set of cosine-weighted
+//! 1. A sample is taken at every pixel, in large pictures at every second to fourth of every such row. A set of cosine-weighted
 //!    directions, low in discrepancy, is dealt to the 64 samples of an 8 x 8 tile, so that each casts
 //!    few rays and no two of a tile cast the same.
 //! 2. Samples are averaged over the 8 x 8 window around each pixel, which holds every share of the
@@ -24,8 +24,14 @@ use chiaro_image::Plane;
 
 /// Samples along a tile's side.
 const TILE: usize = 8;
-/// Pictures with more rows than this take one sample for 2 x 2 pixels.
+/// Pictures with more rows than this have fewer samples than pixels.
 pub(crate) const FINE_ROWS: usize = 640;
+
+/// Pixels between samples in a picture of so many rows: openness is smooth, and more than some 500 rows
+/// of it show nothing more.
+fn step(rows: usize) -> usize {
+    1 + [FINE_ROWS, 960, 1920].into_iter().filter(|most| rows > *most).count()
+}
 
 /// Openness in [0, 1] within `radius` scene units; `rays` are cast a sample, 64 times as many count.
 pub fn ambient_occlusion(
@@ -119,7 +125,7 @@ struct Samples {
 impl Samples {
     fn take(caster: &Caster, run: &Run) -> Result<Self> {
         let (w, h) = caster.buffer.size();
-        let step = if h > FINE_ROWS { 2 } else { 1 };
+        let step = step(h);
         let raw = Plane::from_fn(w.div_ceil(step), h.div_ceil(step), |i, j| {
             let pixel = (i * step, j * step);
             if !caster.buffer.covered[pixel] || run.check().is_err() {
