@@ -58,6 +58,11 @@ impl Channel {
         }
     }
 
+    /// Whether it is made of diffuse light or of its shadows.
+    fn needs_light(self) -> bool {
+        matches!(self, Self::Half | Self::Lit | Self::Diffuse | Self::Specular)
+    }
+
     /// Its share in the tone.
     pub fn share(self, knobs: &BinaryKnobs) -> f32 {
         match self {
@@ -113,10 +118,15 @@ impl Channels {
     ) -> Result<Self> {
         let light = Light::render(scene, &wanted, shadows, run)?;
         let mut channels = Self { reach: light.reach(), ..Self::default() };
-        for (slot, channel) in channels.planes.iter_mut().zip(Channel::ALL) {
-            if wanted(channel) {
-                *slot = scene.plane(channel, &light, knobs, run)?;
-            }
+        // What needs the light comes first, so that large pictures need not hold it to the end.
+        let (lit, others): (Vec<Channel>, Vec<Channel>) =
+            Channel::ALL.into_iter().filter(|c| wanted(*c)).partition(|c| c.needs_light());
+        for channel in lit {
+            channels.planes[channel as usize] = scene.plane(channel, &light, knobs, run)?;
+        }
+        drop(light);
+        for channel in others {
+            channels.planes[channel as usize] = scene.plane(channel, &Light::None, knobs, run)?;
         }
         Ok(channels)
     }

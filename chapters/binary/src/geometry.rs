@@ -178,7 +178,6 @@ mod tests {
     use super::*;
     use chiaro_basis::random::unit;
     use chiaro_scene::{Pose, Projection};
-    use chiaro_trace::Hit;
 
     /// Unrelated positions, normals and ids, a tenth of the pixels uncovered.
     fn noise(width: usize, height: usize) -> GBuffer {
@@ -195,7 +194,8 @@ mod tests {
             pose: Pose::look_at(Vec3::splat(4.0), Vec3::ZERO, Vec3::Y, projection),
             radius: 30.0,
             covered: Plane::from_fn(width, height, |x, y| number(9, x, y) > 0.1),
-            hit: Plane::filled(width, height, Hit { t: 0.0, object: 0, face: 0, b: [0.0; 2] }),
+            face: Plane::filled(width, height, 0),
+            barycentric: Plane::filled(width, height, [0.0; 2]),
             depth: Plane::filled(width, height, 1.0),
             position: vector(20),
             normal: vector(30),

@@ -7,7 +7,7 @@ use chiaro_binary::{
 };
 use chiaro_image::Plane;
 use chiaro_scene::{Pose, Projection};
-use chiaro_trace::{GBuffer, Hit};
+use chiaro_trace::GBuffer;
 
 /// A buffer of one object over the whole picture, from a position and a normal a pixel.
 fn buffer(
@@ -25,11 +25,11 @@ fn buffer(
         Plane::from_fn(width, height, |x, y| at(x, y).map(f).unwrap_or_default())
     };
     let normal = part(&|s| s.1.to_array());
-    let hit = Hit { t: 0.0, object: 0, face: 0, b: [0.0; 2] };
     GBuffer {
         pose,
         radius: 0.5 * (width as f32).hypot(height as f32),
-        hit: Plane::filled(width, height, hit),
+        face: Plane::filled(width, height, 0),
+        barycentric: Plane::filled(width, height, [0.0; 2]),
         depth: Plane::from_fn(width, height, |x, y| at(x, y).map_or(0.0, |s| 100.0 - s.0.z)),
         position: part(&|s| s.0.to_array()),
         smooth_normal: normal.clone(),

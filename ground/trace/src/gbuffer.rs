@@ -20,8 +20,10 @@ pub struct GBuffer {
     pub radius: f32,
     /// Whether there is geometry.
     pub covered: Plane<bool>,
-    /// Where each pixel's ray met the scene; its `object` is `u32::MAX` where it met nothing.
-    pub hit: Plane<Hit>,
+    /// Which of its mesh's triangles each pixel shows.
+    pub face: Plane<u32>,
+    /// Where on the triangle: barycentric coordinates of the second and the third vertex.
+    pub barycentric: Plane<[f32; 2]>,
     /// Depth along the view axis, scene units.
     pub depth: Plane<f32>,
     /// World position.
@@ -45,9 +47,6 @@ pub struct GBuffer {
     /// Emitted radiance.
     pub emissive: Plane<[f32; 3]>,
 }
-
-/// The hit of a pixel without geometry.
-const NOTHING: Hit = Hit { t: f32::INFINITY, object: u32::MAX, face: u32::MAX, b: [0.0; 2] };
 
 impl GBuffer {
     /// Traces one ray through each of `width` x `height` pixels.
@@ -79,7 +78,8 @@ impl GBuffer {
             pose: *pose,
             radius,
             covered: Plane::filled(w, h, false),
-            hit: Plane::filled(w, h, NOTHING),
+            face: Plane::filled(w, h, 0),
+            barycentric: Plane::filled(w, h, [0.0; 2]),
             depth: Plane::filled(w, h, 0.0),
             position: Plane::filled(w, h, [0.0; 3]),
             normal: Plane::filled(w, h, [0.0; 3]),
@@ -101,7 +101,8 @@ impl GBuffer {
             plane.pixels_mut().chunks_mut(width)
         }
         let covered = cut(&mut self.covered, width);
-        let mut hit = cut(&mut self.hit, width);
+        let mut face = cut(&mut self.face, width);
+        let mut barycentric = cut(&mut self.barycentric, width);
         let mut depth = cut(&mut self.depth, width);
         let mut position = cut(&mut self.position, width);
         let mut normal = cut(&mut self.normal, width);
@@ -116,7 +117,8 @@ impl GBuffer {
         covered.map_while(move |covered| {
             Some(Row {
                 covered,
-                hit: hit.next()?,
+                face: face.next()?,
+                barycentric: barycentric.next()?,
                 depth: depth.next()?,
                 position: position.next()?,
                 normal: normal.next()?,
@@ -135,7 +137,8 @@ impl GBuffer {
     /// Lets go of what only light and motion need: the planes of hits, base colours, roughness, metal and
     /// emission are empty afterwards.
     pub fn forget_light(&mut self) {
-        self.hit = Plane::from_pixels(0, 0, Vec::new());
+        self.face = Plane::default();
+        self.barycentric = Plane::default();
         self.base_colour = Plane::default();
         self.roughness = Plane::default();
         self.metallic = Plane::default();
@@ -145,6 +148,14 @@ impl GBuffer {
     /// Width and height in pixels.
     pub fn size(&self) -> (usize, usize) {
         self.covered.size()
+    }
+
+    /// Where a covered pixel's ray met the scene, as far as rays from there need it: `t` is the depth
+    /// along the view axis.
+    pub fn hit(&self, pixel: (usize, usize)) -> Hit {
+        let object = self.object[pixel] - 1;
+        let (face, b) = (self.face[pixel], self.barycentric[pixel]);
+        Hit { t: self.depth[pixel], object, face, b }
     }
 
     /// Unit vector from a surface point to the eye.
@@ -170,7 +181,8 @@ impl GBuffer {
 /// One row of every plane.
 struct Row<'a> {
     covered: &'a mut [bool],
-    hit: &'a mut [Hit],
+    face: &'a mut [u32],
+    barycentric: &'a mut [[f32; 2]],
     depth: &'a mut [f32],
     position: &'a mut [[f32; 3]],
     normal: &'a mut [[f32; 3]],
@@ -187,7 +199,8 @@ struct Row<'a> {
 impl Row<'_> {
     fn set(&mut self, x: usize, hit: Hit, s: &Surface, pose: &Pose) {
         self.covered[x] = true;
-        self.hit[x] = hit;
+        self.face[x] = hit.face;
+        self.barycentric[x] = hit.b;
         self.depth[x] = pose.view(s.position).z;
         self.position[x] = s.position.to_array();
         self.normal[x] = s.normal.to_array();

@@ -37,7 +37,7 @@ pub fn links(
             return UNLINKED;
         }
         let place = || {
-            let hit = buffer.hit[(x, y)];
+            let hit = buffer.hit((x, y));
             let point = material_point(scene, frame, previous, &hit)?;
             let [u, v] = before.pose.project(point, wf, hf)?;
             let inside = u >= 0.0 && v >= 0.0 && u < wf && v < hf;
@@ -56,7 +56,7 @@ fn shows(buffer: &GBuffer, at: (usize, usize), point: Vec3, object: u32, rule: M
             let normal = Vec3::from(buffer.geometric_normal[at]);
             let off = (point - Vec3::from(buffer.position[at])).dot(normal).abs();
             let pixel = buffer.pose.pixel_size(buffer.depth[at], buffer.size().1 as f32);
-            buffer.hit[at].object == object && off <= pixels * pixel
+            buffer.object[at] == object + 1 && off <= pixels * pixel
         }
         Match::Depth(share) => {
             let expected = buffer.pose.view(point).z;

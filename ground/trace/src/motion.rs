@@ -18,7 +18,7 @@ pub fn motion(
     let (w, h) = buffer.size();
     let (wf, hf) = (w as f32, h as f32);
     buffer.over_covered(|x, y| {
-        let hit = buffer.hit[(x, y)];
+        let hit = buffer.hit((x, y));
         let here = buffer.pose.project(Vec3::from(buffer.position[(x, y)]), wf, hf);
         let there = material_point(scene, frame, previous, &hit)
             .and_then(|p| previous_pose.project(p, wf, hf));

@@ -15,7 +15,7 @@ pub(crate) struct Facet {
 impl Facet {
     /// The facet in a covered pixel.
     pub(crate) fn of(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize)) -> Self {
-        Self::of_hit(tracer, &buffer.hit[pixel], buffer.geometric_normal[pixel].into())
+        Self::of_hit(tracer, &buffer.hit(pixel), buffer.geometric_normal[pixel].into())
     }
 
     /// The facet that was hit, seen from `side`.
@@ -58,5 +58,5 @@ impl Facet {
 
 /// A pixel's point moved onto the smooth surface.
 pub(crate) fn lifted(facet: &Facet, buffer: &GBuffer, pixel: (usize, usize)) -> Vec3 {
-    facet.lift(buffer.hit[pixel].b, buffer.position[pixel].into())
+    facet.lift(buffer.barycentric[pixel], buffer.position[pixel].into())
 }
