@@ -51,6 +51,7 @@ pub struct Measures {
 /// Measures a film.
 pub fn measure(film: &Film) -> Measures {
     let strokes = film.frames.iter().map(|f| f.strokes.len()).sum::<usize>();
+    let lines = film.frames.iter().map(|f| drawn_lines(&f.strokes)).sum::<usize>();
     let lives = lives(film);
     let last = film.frames.len().saturating_sub(1);
     let inside = |l: &[usize; 3]| usize::from(l[0] > 0) + usize::from(l[1] < last);
@@ -62,7 +63,7 @@ pub fn measure(film: &Film) -> Measures {
     Measures {
         frames: film.frames.len(),
         strokes: lives.len(),
-        strokes_per_frame: share(strokes as f64, film.frames.len() as f64),
+        strokes_per_frame: share(lines as f64, film.frames.len() as f64),
         mean_life_frames: share(lives.values().map(|l| l[2] as f64).sum(), lives.len() as f64),
         events: events(film),
         short_strokes_share: share(short as f64, strokes as f64),
@@ -73,6 +74,12 @@ pub fn measure(film: &Film) -> Measures {
         split_share: share(stretches[1] as f64, stretches[0] as f64),
         overlap: doubled(film),
     }
+}
+
+/// How many lines a list of strokes is drawn as: parts and pieces of one are one.
+fn drawn_lines(strokes: &[Stroke]) -> usize {
+    let one = |a: Option<(u32, bool)>, b| a.is_some() && a == b;
+    strokes.chunk_by(|a, b| one(a.part, b.part) || one(a.body, b.body)).count()
 }
 
 /// Of each id: the first and the last frame in which it is seen, and in how many.

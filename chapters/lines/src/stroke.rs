@@ -82,6 +82,11 @@ pub struct Stroke {
     /// After how much of u the texture begins anew: once round the closed lines of its component,
     /// whether this one is closed or not.
     pub repeats: Option<f64>,
+    /// The line of its frame that it is a piece of since lines were cut, and whether that is closed: pieces follow
+    /// each other, a pixel apart, and are drawn as one line with a texture for each.
+    pub body: Option<(u32, bool)>,
+    /// Whether a line that is drawn goes on past its start and past its end as another piece.
+    pub goes_on: [bool; 2],
     /// The line that it is a part of in name alone, and whether that is closed: where lines of two ids
     /// merge, what they become is listed part after part.
     pub part: Option<(u32, bool)>,
@@ -146,6 +151,8 @@ impl Stroke {
             pixels_per_u: 1.0,
             component: None,
             repeats: None,
+            body: None,
+            goes_on: [false; 2],
             part: None,
         };
         stroke.measure();

@@ -4,7 +4,7 @@ mod meshes;
 
 use chiaro_basis::Run;
 use chiaro_basis::math::{Vec3, vec3};
-use chiaro_lines::parameter::{Diffuser, Parameters, Solved, Weights, parameterize, whole};
+use chiaro_lines::parameter::{Diffuser, Parameters, Solved, Weights, drawn, parameterize, whole};
 use chiaro_lines::{
     Cuts, Film, Hidden, LinesKnobs, Links, Method, Quality, Reel, Texture, View, quality,
 };
@@ -110,6 +110,30 @@ fn lines_go_on_behind_what_hides_them() {
     let knobs = LinesKnobs { method: Method::Arclength, ..plain() };
     let (_, alone) = solve(&mut fence_film(12, &knobs), &knobs);
     assert!(alone.gap_p95 > 20.0, "{alone:?}");
+}
+
+#[test]
+fn pieces_of_a_cut_line_are_drawn_as_one() {
+    let mut film = torus_film(16, 6.0);
+    solve(&mut film, &LinesKnobs { cuts: Cuts::Both, ..plain() });
+    let mut joints = 0;
+    for frame in &film.frames {
+        let lines = drawn(&frame.strokes);
+        for pieces in lines.chunk_by(|a, b| a.body.is_some() && a.body == b.body) {
+            let around = [&pieces[pieces.len() - 1], &pieces[0]];
+            let closes = !around[1].closed && around[1].body.is_some_and(|b| b.1);
+            let pairs = pieces.windows(2).map(|p| [&p[0], &p[1]]);
+            for [a, b] in pairs.chain(closes.then_some(around)) {
+                assert_eq!(a.samples.last(), b.samples.first());
+                assert!(a.goes_on[1] && b.goes_on[0]);
+                joints += 1;
+            }
+        }
+        for line in &lines {
+            assert!(line.u.len() == line.length.len() && line.u.windows(2).all(|u| u[1] > u[0]));
+        }
+    }
+    assert!(joints > 4, "{joints}");
 }
 
 #[test]

@@ -32,7 +32,7 @@ pub use chart::Saved;
 pub use diffuse::{Diffused, Diffuser, Gesture};
 pub use energy::Weights;
 pub use live::Live;
-pub use part::whole;
+pub use part::{drawn, whole};
 
 use crate::film::Film;
 use crate::knob::{Cuts, LinesKnobs, Links, Method, Texture};

@@ -14,6 +14,8 @@ use std::collections::BTreeMap;
 
 /// Gaps count as no shorter than this, pixels: weights are the reciprocal of their length.
 pub(crate) const LEAST: f64 = 3.0;
+/// Gaps between two lines are left out where half of them miss more than this share of the sliding limit.
+const AGREED: f64 = 0.5;
 /// What is hidden may stretch more readily than what is seen: the weight of its row beside those of segments.
 pub(crate) const UNSEEN: f64 = 0.25;
 
@@ -75,12 +77,27 @@ pub(crate) fn agreeing(
         let samples = line.first as usize..(line.first + line.count) as usize;
         kept.u[samples].iter_mut().for_each(|u| *u += moved[*group as usize]);
     }
-    all.retain_mut(|gap| {
+    let mut misses = Vec::with_capacity(all.len());
+    for gap in &mut all {
         let (off, turns) = off(&kept.u, gap);
         gap.turns = turns;
-        off.abs() * scale[gap.lines[1] as usize] <= sigma
-    });
-    all
+        misses.push(off.abs() * scale[gap.lines[1] as usize]);
+    }
+    // As with links: what disagrees in most frames is left out in all.
+    let ids: Vec<u32> = film.frames.iter().flat_map(strokes).map(|s| s.id).collect();
+    let of = |gap: &Across| gap.lines.map(|l| ids[l as usize]);
+    let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
+    for (gap, miss) in all.iter().zip(&misses) {
+        bundles.entry(of(gap)).or_default().push(*miss);
+    }
+    let middle = |misses: &mut Vec<f64>| {
+        misses.sort_unstable_by(f64::total_cmp);
+        misses[misses.len() / 2]
+    };
+    let median: BTreeMap<[u32; 2], f64> =
+        bundles.iter_mut().map(|(ids, misses)| (*ids, middle(misses))).collect();
+    let agrees = |(gap, miss): &(Across, f64)| *miss <= sigma && median[&of(gap)] <= AGREED * sigma;
+    all.into_iter().zip(misses).filter(agrees).map(|(gap, _)| gap).collect()
 }
 
 /// By how much the second of two groups is to be moved back beside the first, heaviest first.

@@ -9,7 +9,7 @@ use super::cut::{Kept, trusted};
 use super::net::{Found, Line, Link, Net};
 use super::{ROUNDS, crosses_seam, name, net, split};
 use crate::film::Film;
-use crate::stroke::Stroke;
+use crate::stroke::{Sample, Stroke};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -224,6 +224,46 @@ pub(crate) fn values(line: &Line, own: &[f64], part: &Origin, lengths: &[f64]) -
 pub fn whole(strokes: &[Stroke]) -> Vec<Cow<'_, Stroke>> {
     let same = |a: &Stroke, b: &Stroke| a.part.is_some() && a.part == b.part;
     strokes.chunk_by(same).map(one).collect()
+}
+
+/// The lines of a list of strokes as they are drawn: parts in name alone joined, and pieces that a cut parts each
+/// on to where the next begins.
+pub fn drawn(strokes: &[Stroke]) -> Vec<Cow<'_, Stroke>> {
+    let mut lines = whole(strokes);
+    let mut start = 0;
+    while start < lines.len() {
+        let body = lines[start].body;
+        let count = lines[start..].iter().take_while(|s| s.body == body).count();
+        // What was parted in name alone is one again.
+        let is_whole = lines[start].closed;
+        if let (Some((_, closed)), false) = (body, is_whole) {
+            let pieces = &mut lines[start..start + count];
+            let first = pieces[0].samples[0];
+            for k in 0..count {
+                let goes_on = [closed || k > 0, closed || k + 1 < count];
+                let next = pieces.get(k + 1).map_or(first, |next| next.samples[0]);
+                let piece = pieces[k].to_mut();
+                piece.goes_on = goes_on;
+                if goes_on[1] {
+                    go_on(piece, next);
+                }
+            }
+            start += count;
+        } else {
+            start += 1;
+        }
+    }
+    lines
+}
+
+/// Lengthens an open stroke to a sample.
+fn go_on(stroke: &mut Stroke, to: Sample) {
+    let mut u = std::mem::take(&mut stroke.u);
+    let before = stroke.total();
+    stroke.samples.push(to);
+    stroke.measure();
+    u.push(u.last().copied().unwrap_or(0.0) + (stroke.total() - before) / stroke.pixels_per_u);
+    stroke.set_u(u, stroke.pixels_per_u);
 }
 
 /// One line of a list's strokes that are its parts.

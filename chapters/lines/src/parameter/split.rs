@@ -1,4 +1,4 @@
-//! Cuts strokes of a film at places of its net.
+//! Cuts strokes of a film at places of its net; pieces know the line that they are of ([`Stroke::body`]).
 
 use super::chart::Place;
 use super::net::Net;
@@ -27,11 +27,18 @@ pub(crate) fn split(film: &mut Film, net: &Net, places: &[Place]) -> (usize, Vec
         let lines = net.of_frame(f);
         for (list, offset) in [(&mut frame.strokes, 0), (&mut frame.hidden, seen)] {
             let whole = std::mem::take(list);
+            let bodies = whole.iter().filter_map(|s| s.body).map(|b| b.0 + 1).max().unwrap_or(0);
             for (i, stroke) in whole.into_iter().enumerate() {
                 let line = (lines.start + offset + i) as u32;
                 match by_line.remove(&line) {
                     Some(at) => {
-                        for (from, piece) in pieces(stroke, at) {
+                        let body = stroke.body.or(Some((bodies + i as u32, stroke.closed)));
+                        let closed = stroke.closed;
+                        let mut pieces = pieces(stroke, at);
+                        if pieces.len() > 1 || pieces[0].1.closed != closed {
+                            pieces.iter_mut().for_each(|p| p.1.body = body);
+                        }
+                        for (from, piece) in pieces {
                             origins.push(Origin { line, from, turns: 0.0 });
                             list.push(piece);
                         }

@@ -20,6 +20,10 @@ pub struct Knot {
     pub depth: f32,
 }
 
+/// Spines that go on into each other have less and less noise of their own within this length of where they
+/// meet, pixels.
+const MEETING: f32 = 24.0;
+
 /// The middle line of a stroke.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spine {
@@ -29,12 +33,14 @@ pub struct Spine {
     pub closed: bool,
     /// Whose noise it has.
     pub axis: Axis,
+    /// Whether the line goes on as another spine before its start and past its end: there it does not taper.
+    pub goes_on: [bool; 2],
 }
 
 impl Spine {
     /// Points without repetition at one place. At least two are needed for anything to be drawn.
     pub fn new(knots: Vec<Knot>, closed: bool, axis: Axis) -> Self {
-        let mut spine = Self { knots, closed, axis };
+        let mut spine = Self { knots, closed, axis, goes_on: [false; 2] };
         spine.knots.dedup_by(|b, a| a.at.distance_squared(b.at) < 1e-6);
         spine.closed &= spine.knots.len() > 3;
         spine
@@ -50,6 +56,15 @@ impl Spine {
                 total
             }))
             .collect()
+    }
+
+    /// How much of what noise does is left at a length from the start of `total`, in [0, 1]: none where the line goes
+    /// on as another spine with noise of its own, so that both meet.
+    pub(super) fn own(&self, length: f32, total: f32) -> f32 {
+        let from_ends = [length, total - length].into_iter().zip(self.goes_on);
+        let near = from_ends.filter(|e| e.1).map(|e| e.0).fold(f32::INFINITY, f32::min);
+        let t = (near / MEETING).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
     }
 
     /// The whole length in pixels.
@@ -165,10 +180,11 @@ impl Spine {
         };
         let steps = (length / FINE).ceil() as usize;
         let by = |i: usize| length * i as f32 / steps as f32;
+        let [before, after] = self.goes_on.map(|goes_on| if goes_on { 0 } else { steps });
         let first = self.knots[0];
-        let before = (1..=steps).rev().map(|i| beyond(first, start, -by(i)));
+        let before = (1..=before).rev().map(|i| beyond(first, start, -by(i)));
         let last = self.knots[n - 1];
-        let after: Vec<Knot> = (1..=steps).map(|i| beyond(last, end, by(i))).collect();
+        let after: Vec<Knot> = (1..=after).map(|i| beyond(last, end, by(i))).collect();
         self.knots = before.chain(self.knots.iter().copied()).chain(after).collect();
         self
     }
@@ -178,8 +194,11 @@ impl Spine {
         if amount <= 0.0 || self.knots.len() < 2 {
             return self;
         }
+        let lengths = self.lengths();
+        let total = lengths[lengths.len() - 1];
         let moved: Vec<Vec2> = (0..self.knots.len())
             .map(|i| {
+                let amount = amount * self.own(lengths[i], total);
                 let k = self.knots[i];
                 let aside = self.axis.wave(k.u, length, 11 + 2 * pass);
                 let ahead = self.axis.wave(k.u, length, 12 + 2 * pass);

@@ -25,10 +25,12 @@ impl<'a> Hand<'a> {
     pub(super) fn new(brush: &'a Brush, spine: &'a Spine) -> Self {
         let lengths = spine.lengths();
         let total = lengths.last().copied().unwrap_or(0.0);
-        let wanted = [brush.taper, brush.taper * brush.taper_end];
+        let mut wanted = [brush.taper, brush.taper * brush.taper_end];
+        wanted.iter_mut().zip(spine.goes_on).filter(|w| w.1).for_each(|w| *w.0 = 0.0);
         let fits = (TAPERED * total / (wanted[0] + wanted[1]).max(1e-6)).min(1.0);
         let tapers = if spine.closed { [0.0; 2] } else { wanted.map(|t| t * fits) };
-        let short = (total / (brush.slender * brush.width).max(1e-6)).min(1.0);
+        let whole = if spine.goes_on == [false; 2] { total } else { f32::INFINITY };
+        let short = (whole / (brush.slender * brush.width).max(1e-6)).min(1.0);
         Self { brush, spine, lengths, tapers, short }
     }
 
@@ -55,15 +57,16 @@ impl<'a> Hand<'a> {
         let b = self.brush;
         0.5 * self.short
             * b.width
-            * self.pressure(u)
+            * self.pressure(u, self.spine.own(length, self.total()))
             * self.ends(length)
             * self.light(tangent)
             * self.nib(tangent)
     }
 
-    fn pressure(&self, u: f64) -> f32 {
+    /// Where `own` is less than 1, nearer to the middle of what it may be.
+    fn pressure(&self, u: f64, own: f32) -> f32 {
         let b = self.brush;
-        let wave = self.spine.axis.wave(u, f64::from(b.pressure_length), 1);
+        let wave = own * self.spine.axis.wave(u, f64::from(b.pressure_length), 1);
         1.0 - b.pressure * (0.5 - 0.5 * wave)
     }
 
@@ -99,5 +102,38 @@ impl<'a> Hand<'a> {
         let edge = Vec2::from_angle(-b.nib_angle.to_radians());
         let across = tangent.perp_dot(edge).abs();
         1.0 - b.nib * (1.0 - across)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::noise::Axis;
+    use super::super::spine::Knot;
+    use super::*;
+
+    #[test]
+    fn nothing_tapers_where_a_line_goes_on() {
+        let knot =
+            |i: usize| Knot { at: Vec2::new(4.0 * i as f32, 0.0), u: 4.0 * i as f64, depth: 0.0 };
+        let spine = Spine::new((0..=20).map(knot).collect(), false, Axis::default());
+        let brush = Brush { taper: 20.0, taper_end: 1.0, tip: 0.1, ..Brush::default() };
+        let ends = |goes_on: [bool; 2]| {
+            let spine = Spine { goes_on, ..spine.clone() };
+            let hand = Hand::new(&brush, &spine);
+            [hand.ends(0.0), hand.ends(40.0), hand.ends(80.0)]
+        };
+        assert_eq!(ends([false; 2]), [0.1, 1.0, 0.1]);
+        assert_eq!(ends([true, false]), [1.0, 1.0, 0.1]);
+        assert_eq!(ends([true; 2]), [1.0; 3]);
+        // Spines of different noise meet in one width.
+        let half = |seed: u64| {
+            let axis = Axis { seed, period: None };
+            let spine = Spine { goes_on: [false, true], axis, ..spine.clone() };
+            let brush = Brush { pressure: 0.8, ..brush.clone() };
+            let hand = Hand::new(&brush, &spine);
+            [hand.half(10), hand.half(20)]
+        };
+        let [a, b] = [half(1), half(2)];
+        assert!((a[0] - b[0]).abs() > 0.01 && a[1] == b[1], "{a:?} {b:?}");
     }
 }

@@ -55,11 +55,13 @@ pub(super) fn pieces<'a, L: PartialEq>(
         found = looks(&stroke, &owners);
     }
     let ends = found.iter().skip(1).map(|r| r.from).chain([stroke.samples.len() - 1]);
-    found
-        .iter()
-        .zip(ends)
-        .map(|(r, end)| Cow::Owned(piece(&stroke, (r.from, end), r.owner)))
-        .collect()
+    let last = found.len() - 1;
+    let own = |(k, (r, end)): (usize, (&Run<L>, usize))| {
+        let [before, after] = stroke.goes_on;
+        let goes_on = [before && k == 0, after && k == last];
+        Cow::Owned(Stroke { goes_on, ..piece(&stroke, (r.from, end), r.owner) })
+    };
+    found.iter().zip(ends).enumerate().map(own).collect()
 }
 
 fn runs<L: PartialEq>(

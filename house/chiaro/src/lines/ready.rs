@@ -6,7 +6,7 @@ use super::picture::id_colour;
 use super::style::{LineStyle, Subject};
 use crate::colours::Colours;
 use chiaro_ink::brush::{Axis, Brush, Grain, Knot, Mark, Spine, Stroke as Inked};
-use chiaro_lines::parameter::whole;
+use chiaro_lines::parameter::drawn as drawn_lines;
 use chiaro_lines::{FilmFrame, Kind, LinesKnobs, Owner, Stroke, Texture, View};
 use chiaro_scene::Projection;
 use std::borrow::Cow;
@@ -66,7 +66,7 @@ pub(crate) fn ready<'a>(
     };
     let surface = shot.film.surface.as_ref().map(|g| &g.surface);
     let mut drawn: Vec<Drawn<'a>> = Vec::new();
-    let lines = whole(&frame.hidden).into_iter().chain(whole(&frame.strokes));
+    let lines = drawn_lines(&frame.hidden).into_iter().chain(drawn_lines(&frame.strokes));
     let pieces: Vec<Cow<'a, Stroke>> = lines
         .flat_map(|stroke| match surface.filter(|_| style.minds_owners()) {
             Some(surface) => owners::pieces(stroke, surface, |s, owner| {
@@ -176,7 +176,7 @@ fn spine(stroke: &Stroke, view: &View, scale: f64) -> Spine {
     let repeats = stroke.repeats.map(|p| p * scale).filter(|p| *p > 0.0);
     let period = if stroke.closed { period } else { repeats };
     let axis = Axis { seed: u64::from(stroke.texture()), period };
-    Spine::new(knots, stroke.closed, axis)
+    Spine { goes_on: stroke.goes_on, ..Spine::new(knots, stroke.closed, axis) }
 }
 
 #[cfg(test)]
@@ -202,6 +202,8 @@ mod tests {
             pixels_per_u: 20.0 * grown,
             component: None,
             repeats: None,
+            body: None,
+            goes_on: [false; 2],
             part: None,
         };
         let at = |grown: f64| scales(&stroke(grown), &brush, &knobs);
