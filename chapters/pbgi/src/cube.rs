@@ -1,7 +1,7 @@
 //! [`CubeBuffer`]: what surrounds a receiver, on the six faces of a cube (thesis, 6.3.2).
 //!
-//! Splats come nearest first; each is a square of its solid angle, moved inside the face of its
-//! direction, and adds its radiance to every texel by the share of the texel that it covers and
+//! Splats come nearest first; each is a square of its solid angle about its direction, over an edge of the cube on the
+//! faces on both sides, and adds its radiance to every texel by the share of the texel that it covers and
 //! that is still free. Coverage ends at 1, so that nearer things hide farther ones. A texel knows where in it
 //! that lies: light that grazes a receiver does not come from the middle of the texel above its plane.
 
