@@ -12,8 +12,8 @@ use crate::film::Film;
 use crate::gap::between;
 use std::collections::BTreeMap;
 
-/// Gaps count as no shorter than this, pixels: weights are the reciprocal of their length.
-pub(crate) const LEAST: f64 = 3.0;
+/// Shorter gaps are none, pixels: weights are the reciprocal of their length.
+const LEAST: f64 = 3.0;
 /// Gaps between two lines are left out where half of them miss more than this share of the sliding limit.
 const AGREED: f64 = 0.5;
 /// What is hidden may stretch more readily than what is seen: the weight of its row beside those of segments.
@@ -37,7 +37,9 @@ fn found(film: &Film, net: &Net) -> Vec<Across> {
     let mut all = Vec::new();
     for (f, frame) in film.frames.iter().enumerate() {
         let first = net.of_frame(f).start;
-        for (strokes, length) in between(strokes(frame), &frame.gaps) {
+        // Where what is hidden is drawn too it touches what is seen, and links tie the two.
+        let gaps = between(strokes(frame), &frame.gaps).into_iter().filter(|g| g.1 >= LEAST);
+        for (strokes, length) in gaps {
             let lines = strokes.map(|s| (first + s) as u32);
             let [a, b] = lines.map(|l| &net.lines[l as usize]);
             let unknowns = [a.first + a.count - 1, b.first];
@@ -107,7 +109,7 @@ fn says(all: &[Across], group: &[u32], off: impl Fn(&Across) -> f64) -> Vec<([u3
         let [a, b] = gap.lines.map(|l| group[l as usize]);
         let (key, sign) = if a < b { ([a, b], 1.0) } else { ([b, a], -1.0) };
         if a != b {
-            between.entry(key).or_default().push((sign * off(gap), gap.length.max(LEAST).recip()));
+            between.entry(key).or_default().push((sign * off(gap), gap.length.recip()));
         }
     }
     let median = |mut say: Vec<(f64, f64)>| {
