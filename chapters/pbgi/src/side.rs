@@ -24,10 +24,11 @@ use chiaro_trace::{Ray, Sequence, Sides, cosine_direction};
 /// Spacings within which all rays must end for a side to be buried.
 const BURIED: f32 = 4.0;
 
-/// How near a lamp hides a side, in spacings and in radii of the bounds, whichever is more; and the share of
-/// rays that must pass it.
-const CLOSE: [f32; 2] = [1.0, 0.01];
-const PASS: f32 = 0.25;
+/// How near a lamp hides a side, in radii of the bounds or in spacings, whichever is more; the share of rays that must
+/// pass it; and the most of such a lamp, the root of its area in radii.
+const CLOSE: f32 = 0.1;
+const PASS: f32 = 0.4;
+const LAMP: f32 = 0.5;
 
 /// What rays from a side met.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,8 +53,22 @@ impl Met {
     }
 }
 
-/// Finds the dead sides of a lit surfel with at most `rays` rays a side; `bounds` hold everything drawn.
-pub fn test(lit: &Lit, bounds: &Bounds, surfel: &mut Surfel, spacing: f32, rays: u32, seed: u64) {
+/// How near what shines hides a side, scene units; 0 where it is no lamp in the scene but what lies over all of it.
+pub fn close(lit: &Lit, bounds: &Bounds, spacing: f32) -> f32 {
+    let area: f32 = lit.lights.glow.triangles().iter().map(|t| t.area).sum();
+    let is_lamp = area > 0.0 && area.sqrt() < LAMP * bounds.radius();
+    if is_lamp { spacing.max(CLOSE * bounds.radius()) } else { 0.0 }
+}
+
+/// Finds the dead sides of a lit surfel with at most `rays` rays a side; `bounds` hold everything drawn, `spacing` is that
+/// of surfels, and `close` where lamps hide sides.
+pub fn test(
+    lit: &Lit,
+    bounds: &Bounds,
+    surfel: &mut Surfel,
+    (spacing, close): (f32, f32),
+    (rays, seed): (u32, u64),
+) {
     let sequence = Sequence::new(!seed);
     for side in 0..2 {
         let normal = if side == 0 { surfel.normal } else { -surfel.normal };
@@ -62,15 +77,9 @@ pub fn test(lit: &Lit, bounds: &Bounds, surfel: &mut Surfel, spacing: f32, rays:
             continue;
         }
         if surfel.radiance[side] != [0.0; 3] {
-            let close = (CLOSE[0] * spacing).max(CLOSE[1] * bounds.radius());
-            surfel.alive[side] = !is_behind_a_lamp(
-                lit,
-                surfel.position,
-                normal,
-                close,
-                |k| sequence.point(k, side as u32),
-                rays,
-            );
+            let point = |k: u32| sequence.point(k, side as u32);
+            surfel.alive[side] = close == 0.0
+                || !is_behind_a_lamp(lit, (surfel.position, normal), close, rays, point);
             continue;
         }
         let mut met = Met::default();
@@ -97,19 +106,18 @@ fn above(bounds: &Bounds, position: Vec3, normal: Vec3) -> f32 {
 /// Whether nearly all of some rays meet what shines within a distance.
 fn is_behind_a_lamp(
     lit: &Lit,
-    position: Vec3,
-    normal: Vec3,
+    (position, normal): (Vec3, Vec3),
     close: f32,
-    point: impl Fn(u32) -> [f32; 2],
     rays: u32,
+    point: impl Fn(u32) -> [f32; 2],
 ) -> bool {
-    let glow = &lit.lights.glow;
     let passes = |k: &u32| {
         let ray = ray(lit, position, normal, cosine_direction(normal, point(*k)), close);
-        lit.tracer.hit(&ray, Sides::Both).and_then(|hit| glow.find(&hit)).is_none()
+        let hit = lit.tracer.hit(&ray, Sides::Both);
+        hit.and_then(|hit| lit.lights.glow.find(&hit)).is_none()
     };
     let enough = (PASS * rays as f32).ceil() as usize;
-    !glow.is_empty() && (0..rays).filter(passes).take(enough).count() < enough
+    (0..rays).filter(passes).take(enough).count() < enough
 }
 
 fn ray(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, t_max: f32) -> Ray {

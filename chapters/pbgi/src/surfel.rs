@@ -74,13 +74,13 @@ impl Surfels {
         let spacing = (area / all.len().max(1) as f64).sqrt() as f32;
         let uneven = all.iter().any(|s| s.area > UNEVEN * spacing * spacing);
         let bounds = lit.tracer.frame.bounds();
+        let near = (spacing, side::close(lit, &bounds, spacing));
         run.stage("direct", sites.len() as u64, || {
             all.par_iter_mut().enumerate().try_for_each(|(index, surfel)| {
                 run.check()?;
                 light(lit, &sites[index], surfel, index as u64);
                 if knobs.side_rays > 0 {
-                    let (rays, seed) = (knobs.side_rays, index as u64);
-                    side::test(lit, &bounds, surfel, spacing, rays, seed);
+                    side::test(lit, &bounds, surfel, near, (knobs.side_rays, index as u64));
                 }
                 Ok(())
             })
