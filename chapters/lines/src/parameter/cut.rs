@@ -116,18 +116,22 @@ impl Robust<'_> {
 
 /// 1 for links that agree by their residuals in pixels, 0 for those that do not.
 pub(crate) fn trusted(net: &Net, residual: &[f64], sigma: f64) -> Vec<f64> {
-    let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
-    for (link, r) in net.links.iter().zip(residual) {
-        bundles.entry(link.lines).or_default().push(r.abs());
-    }
-    let middle = |(lines, mut r): ([u32; 2], Vec<f64>)| {
-        r.sort_unstable_by(f64::total_cmp);
-        (lines, r[r.len() / 2])
-    };
-    let median: BTreeMap<[u32; 2], f64> = bundles.into_iter().map(middle).collect();
+    let bundled = net.links.iter().zip(residual).map(|(link, r)| (link.lines, r.abs()));
+    let median = medians(bundled);
     let agrees =
         |(link, r): (&Link, &f64)| r.abs() <= SINGLE * sigma && median[&link.lines] <= sigma;
     net.links.iter().zip(residual).map(|l| if agrees(l) { 1.0 } else { 0.0 }).collect()
+}
+
+/// The median of each bundle's numbers, by what it joins.
+pub(crate) fn medians(all: impl Iterator<Item = ([u32; 2], f64)>) -> BTreeMap<[u32; 2], f64> {
+    let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
+    all.for_each(|(ends, number)| bundles.entry(ends).or_default().push(number));
+    let middle = |(ends, mut numbers): ([u32; 2], Vec<f64>)| {
+        numbers.sort_unstable_by(f64::total_cmp);
+        (ends, numbers[numbers.len() / 2])
+    };
+    bundles.into_iter().map(middle).collect()
 }
 
 /// How often each link goes round the closed line at one of its ends.

@@ -6,7 +6,7 @@
 //! disagree with what came out by more than the sliding limit are left out.
 
 use super::chart::components;
-use super::cut::Kept;
+use super::cut::{Kept, medians};
 use super::net::{Net, strokes};
 use crate::film::Film;
 use crate::gap::between;
@@ -88,16 +88,7 @@ pub(crate) fn agreeing(
     // As with links: what disagrees in most frames is left out in all.
     let ids: Vec<u32> = film.frames.iter().flat_map(strokes).map(|s| s.id).collect();
     let of = |gap: &Across| gap.lines.map(|l| ids[l as usize]);
-    let mut bundles: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
-    for (gap, miss) in all.iter().zip(&misses) {
-        bundles.entry(of(gap)).or_default().push(*miss);
-    }
-    let middle = |misses: &mut Vec<f64>| {
-        misses.sort_unstable_by(f64::total_cmp);
-        misses[misses.len() / 2]
-    };
-    let median: BTreeMap<[u32; 2], f64> =
-        bundles.iter_mut().map(|(ids, misses)| (*ids, middle(misses))).collect();
+    let median = medians(all.iter().map(of).zip(misses.iter().copied()));
     let agrees = |(gap, miss): &(Across, f64)| *miss <= sigma && median[&of(gap)] <= AGREED * sigma;
     all.into_iter().zip(misses).filter(agrees).map(|(gap, _)| gap).collect()
 }
