@@ -10,7 +10,8 @@
 //! 3. *Gains*: the length of the light, or of each colour's, as 16-bit floating-point numbers.
 //! 4. *Stages*: the nearest of a table's words; the nearest of a second table's words to what is
 //!    left; and so on. Tables come from k-means on the nodes of a sparse tree. One stage without the rest is
-//!    the thesis's look-up table; several are residual vector quantization.
+//!    the thesis's look-up table; several are residual vector quantization. Words without gains are
+//!    learned from darker copies of nodes too ([`dimmed`](crate::dimmed)).
 //!
 //! Light and area have tables of their own. Black is coded without error. Of the area over the node's area
 //! only what its mean normal does not tell ([`harmonic::expected`]) is coded: it is nothing where the
@@ -18,6 +19,7 @@
 
 use crate::bits::float16;
 pub use crate::decode::Decoded;
+use crate::dimmed::dimmed;
 use crate::harmonic::{self, Sh};
 use crate::payload::Exact;
 use crate::recipe::word_bytes;
@@ -33,6 +35,8 @@ pub(crate) const AREA: usize = 9;
 pub(crate) const LIGHT: usize = 3 * AREA;
 /// Rounds of k-means.
 const ROUNDS: usize = 10;
+/// Copies of training nodes at other gains for each word that has none.
+const COPIES: usize = 2;
 /// How much brighter than all training nodes others may be.
 pub const HEADROOM: f32 = 4096.0;
 
@@ -185,6 +189,10 @@ impl Book {
         let lit = parts.iter().filter(|p| p.light.iter().any(|l| *l != 0.0));
         let dim = recipe.gains.dim();
         let mut light: Vec<f32> = lit.flat_map(|p| p.light.into_iter().take(dim)).collect();
+        if recipe.gains == Gains::None && recipe.words == Words::Clustered {
+            let copies = COPIES * recipe.light.iter().sum::<usize>();
+            light.extend(dimmed(&light, dim, copies, seed));
+        }
         let mut area: Vec<f32> = parts.iter().flat_map(|p| p.area).collect();
         drop(parts);
         let zero = recipe.gains == Gains::None;

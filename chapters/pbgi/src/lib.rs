@@ -46,6 +46,7 @@ pub mod cube;
 pub mod curve;
 pub mod cut;
 mod decode;
+mod dimmed;
 mod facing;
 mod field;
 pub mod file;
