@@ -1,8 +1,8 @@
 //! Films (section 3.8, which the thesis leaves open): labels that agree along the motion.
 //!
 //! The graph of a frame is joined to the one before by edges along the exact motion of each
-//! material point ([`links`](chiaro_trace::links)), each worth about `coherence` times N~ (less where
-//! much changes, see `holds`), and the volume is cut. A film is cut in windows of a few frames, so that memory is bounded:
+//! material point ([`links`](chiaro_trace::links)), each worth about `coherence` times N~ (see
+//! `hold.rs`: less where much changes, and where it costs much), and the volume is cut. A film is cut in windows of a few frames, so that memory is bounded:
 //!
 //! 1. The shot is divided into blocks of [`BLOCK`] frames. The first frame of a block is a *key*:
 //!    it is labelled by the cut of the window centred on it, and so depends on those frames alone.
@@ -21,8 +21,9 @@
 //! volume; the past is settled when the future is cut.
 
 use crate::cel::Cel;
+use crate::hold::{Hold, Pace, holds};
 use crate::island::{recoloured, without_islands};
-use crate::knob::{BinaryKnobs, scaled};
+use crate::knob::BinaryKnobs;
 use crate::mend::{Costs, pixels_of};
 use crate::window::{Bond, Known, cut_window, pull};
 use chiaro_basis::{Result, Run};
@@ -37,16 +38,6 @@ pub const BLOCK: usize = 16;
 
 /// Frames that a new piece must outlast.
 const LIFE: usize = 2;
-
-/// The share of labels that change by themselves from a frame to the next at which links are worth
-/// what `coherence` says, and how much more or less they may be worth.
-const USUAL_CHANGE: f32 = 0.022;
-const LEAST_STRENGTH: f32 = 0.3;
-const MOST_STRENGTH: f32 = 1.35;
-
-/// The side of the squares in which changes are summed, pixels at 480, and in small pictures.
-const CHANGE_SIDE: f32 = 16.0;
-const LEAST_CHANGE_SIDE: usize = 8;
 
 /// Which frames are cut together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,8 +77,10 @@ pub struct Film<'a, C> {
     knobs: &'a BinaryKnobs,
     /// Frames at hand, from `first` on.
     cels: VecDeque<C>,
-    /// How strongly each holds on to the frame before it, by layer.
-    holds: VecDeque<Vec<i32>>,
+    /// How strongly each holds on to the frame before it, by layer, and how much more or less the
+    /// frame in work does.
+    holds: VecDeque<Vec<Plane<i32>>>,
+    pace: Pace,
     first: usize,
     /// Labels of keys that were cut already, by layer.
     keys: BTreeMap<usize, Vec<Plane<u8>>>,
@@ -101,6 +94,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
             knobs,
             cels: VecDeque::new(),
             holds: VecDeque::new(),
+            pace: Pace::default(),
             first: 0,
             keys: BTreeMap::new(),
         }
@@ -124,6 +118,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         }
         let mut before = self.key(block.start, fetch, run)?;
         self.forget(block.start);
+        self.pace.reset();
         done(block.start, self.cel(block.start), &before)?;
         for t in block.start + 1..block.end {
             let end = (t + self.plan.window).min(block.end);
@@ -137,7 +132,9 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
             let mut labels = Vec::with_capacity(before.len());
             for (layer, before) in before.iter().enumerate() {
                 let key = key.as_ref().map(|labels| &labels[layer]);
-                labels.push(self.next(t..end, layer, (before, key), run)?);
+                let (next, cost) = self.next(t..end, layer, (before, key), run)?;
+                self.pace.learn(layer, cost, self.knobs);
+                labels.push(next);
             }
             done(t, self.cel(t), &labels)?;
             before = labels;
@@ -160,11 +157,11 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         self.gather(around.end, fetch)?;
         let mut settled = Vec::new();
         for layer in 0..self.cel(key).as_ref().depth() {
-            let labels = self.cut(around.clone(), layer, &Known::default(), run)?;
+            let labels = self.cut(around.clone(), (layer, 1.0), &Known::default(), run)?;
             let cel = self.cel(key).as_ref();
             let at = key - around.start;
-            let before = at.checked_sub(1).map(|i| (&labels[i], self.hold(key, layer)));
-            let after = labels.get(at + 1).map(|after| self.bond(key + 1, layer, after));
+            let before = at.checked_sub(1).map(|i| (&labels[i], self.hold(key, (layer, 1.0))));
+            let after = labels.get(at + 1).map(|after| self.bond(key + 1, (layer, 1.0), after));
             let held = held((cel, layer), before, after);
             let clean = cel.costs(&held, layer).finished(&labels[at], self.knobs)?;
             settled.push(cel.kept(layer, clean));
@@ -173,51 +170,55 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         Ok(settled)
     }
 
-    /// The labels of the first frame of a window, the one before it being settled.
+    /// The labels of the first frame of a window, the one before it being settled, and what its links
+    /// have cost, as a share of the energy of its own cut.
     fn next(
         &self,
         window: Range<usize>,
         layer: usize,
         (before, key): (&Plane<u8>, Option<&Plane<u8>>),
         run: &Run,
-    ) -> Result<Plane<u8>> {
-        let after = key.map(|labels| self.bond(window.end, layer, labels));
+    ) -> Result<(Plane<u8>, f32)> {
+        let paced = (layer, self.pace.of(layer));
+        let after = key.map(|labels| self.bond(window.end, paced, labels));
         let known = Known { before: Some(before), after };
-        let labels = self.cut(window.clone(), layer, &known, run)?;
+        let labels = self.cut(window.clone(), paced, &known, run)?;
         let first = window.start;
+        let hold = self.hold(first, paced);
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
-        let after = labels.get(1).map(|after| self.bond(first + 1, layer, after));
-        let held = held((cels[0], layer), Some((before, self.hold(first, layer))), after);
+        let after = labels.get(1).map(|after| self.bond(first + 1, paced, after));
+        let held = held((cels[0], layer), Some((before, hold)), after);
         let clean = cels[0].costs(&held, layer).finished(&labels[0], self.knobs)?;
         let costs = cels[0].costs(&held, layer);
-        let dearest = self.hold(first, layer);
-        let clean = lasting((clean, &costs, dearest), &labels, &cels, before, self.knobs);
-        Ok(cels[0].kept(layer, clean))
+        let clean = lasting((clean, &costs, hold), &labels, &cels, before, self.knobs);
+        let own = cels[0].own(layer).1.max(1);
+        let cost = (cels[0].energy(layer, &labels[0]) - own) as f32 / own as f32;
+        Ok((cels[0].kept(layer, clean), cost))
     }
 
     /// How strongly a frame holds on to the one before.
-    fn hold(&self, frame: usize, layer: usize) -> i32 {
-        self.holds[frame - self.first][layer]
+    fn hold(&self, frame: usize, (layer, pace): (usize, f32)) -> Hold<'_> {
+        Hold::new(&self.holds[frame - self.first][layer], pace)
     }
 
     /// The links to a frame of known labels after.
-    fn bond<'b>(&'b self, frame: usize, layer: usize, labels: &'b Plane<u8>) -> Bond<'b> {
+    fn bond<'b>(&'b self, frame: usize, paced: (usize, f32), labels: &'b Plane<u8>) -> Bond<'b> {
         let links = &self.cel(frame).as_ref().links;
-        Bond { links, labels, capacity: self.hold(frame, layer) }
+        Bond { links, labels, hold: self.hold(frame, paced) }
     }
 
     fn cut(
         &self,
         window: Range<usize>,
-        layer: usize,
+        paced: (usize, f32),
         known: &Known,
         run: &Run,
     ) -> Result<Vec<Plane<u8>>> {
         let cels: Vec<&Cel> = window.clone().map(|i| self.cel(i).as_ref()).collect();
-        let holds: Vec<i32> = window.map(|i| self.hold(i, layer)).collect();
+        let holds: Vec<Hold> = window.map(|i| self.hold(i, paced)).collect();
         run.check()?;
         let pixels = cels.iter().map(|c| c.graph.mask.len() as u64).sum();
-        run.stage("cut", pixels, || cut_window((&cels, layer), &holds, known))
+        run.stage("cut", pixels, || cut_window((&cels, paced.0), &holds, known))
     }
 
     fn cel(&self, frame: usize) -> &C {
@@ -244,55 +245,11 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
     }
 }
 
-/// How strongly the layers of a frame hold on to those of the frame before: the capacity of a link.
-/// Links add up over areas, as terminals do: they do not grow with the picture.
-///
-/// Where much changes by itself, links delay true changes and cost more than they steady; where
-/// little does, stronger ones cost next to nothing: the capacity goes by the inverse root of the share
-/// that changes, which keeps what it costs about the same from film to film and within one.
-fn holds(cel: &Cel, before: Option<&Cel>, knobs: &BinaryKnobs) -> Vec<i32> {
-    let usual = knobs.coherence * knobs.neighbour * cel.graph.scale;
-    let hold = |layer| {
-        let share = before.map_or(USUAL_CHANGE, |before| changing(cel, before, layer));
-        let strength = (USUAL_CHANGE / share.max(1e-6)).sqrt();
-        (usual * strength.clamp(LEAST_STRENGTH, MOST_STRENGTH)).round() as i32
-    };
-    (0..cel.depth()).map(hold).collect()
-}
-
-/// The share of the links of a frame along which its own labels change, but for what comes and goes
-/// side by side: noise at borders is no change.
-fn changing(cel: &Cel, before: &Cel, layer: usize) -> f32 {
-    let (here, there) = (cel.own(layer).0, before.own(layer).0.pixels());
-    let (width, height) = here.size();
-    let side = (scaled(CHANGE_SIDE, height).ceil() as usize).max(LEAST_CHANGE_SIDE);
-    let across = width.div_ceil(side);
-    let count = cel.count(layer);
-    let blocks = across * height.div_ceil(side);
-    let (mut gained, mut flips) = (vec![0i32; blocks * count], vec![0u32; blocks]);
-    let mut seen = 0u32;
-    for (p, to) in cel.links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED) {
-        let block = p / width / side * across + p % width / side;
-        let (label, former) = (here.pixels()[p], there[*to as usize]);
-        gained[block * count + usize::from(label)] += 1;
-        gained[block * count + usize::from(former)] -= 1;
-        flips[block] += u32::from(label != former);
-        seen += 1;
-    }
-    // By chance, of n flips either way some root of n are left over.
-    let changed = |(gained, flips): (&[i32], &u32)| {
-        let left: u32 = gained.iter().map(|g| g.unsigned_abs()).sum();
-        (0.5 * left as f32 - (*flips as f32).sqrt()).max(0.0)
-    };
-    let changed: f32 = gained.chunks(count).zip(&flips).map(changed).sum();
-    changed / seen.max(1) as f32
-}
-
 /// Labels of the first frame of a window without those of a short life: a piece that is new and of
 /// which less than half is left in one of the next [`LIFE`] frames is taken away at once, if that
-/// costs no more than `link` for each of its pixels.
+/// costs no more than its links are worth.
 fn lasting(
-    (clean, costs, link): (Plane<u8>, &Costs<'_>, i32),
+    (clean, costs, hold): (Plane<u8>, &Costs<'_>, Hold<'_>),
     labels: &[Plane<u8>],
     cels: &[&Cel],
     before: &Plane<u8>,
@@ -329,7 +286,8 @@ fn lasting(
     let is_cheap = |id: usize| {
         let piece = &pieces.pieces[id];
         let pixels = pixels_of(piece, &pieces.ids, id as u32);
-        costs.removal(&clean, &pixels, piece.label) <= i64::from(link) * piece.area as i64
+        let links: i64 = pixels.iter().map(|(x, y)| i64::from(hold.at(y * mask.width() + x))).sum();
+        costs.removal(&clean, &pixels, piece.label) <= links
     };
     let goes =
         |id: usize| is_new[id] && !lasts[id] && pieces.pieces[id].touches_other && is_cheap(id);
@@ -339,20 +297,20 @@ fn lasting(
 /// The prices of a frame's layer with the pull of its links to the labels before and after it.
 fn held(
     (cel, layer): (&Cel, usize),
-    before: Option<(&Plane<u8>, i32)>,
+    before: Option<(&Plane<u8>, Hold<'_>)>,
     after: Option<Bond<'_>>,
 ) -> Vec<i32> {
     let count = cel.count(layer);
     let mut prices = cel.prices(layer).to_vec();
-    if let Some((before, link)) = before {
+    if let Some((before, hold)) = before {
         for (p, to) in cel.links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED) {
-            pull(&mut prices[p * count..][..count], before.pixels()[*to as usize], link);
+            pull(&mut prices[p * count..][..count], before.pixels()[*to as usize], hold.at(p));
         }
     }
-    if let Some(Bond { links, labels, capacity }) = after {
-        for (to, label) in links.pixels().iter().zip(labels.pixels()) {
+    if let Some(Bond { links, labels, hold }) = after {
+        for (p, (to, label)) in links.pixels().iter().zip(labels.pixels()).enumerate() {
             if *to != UNLINKED {
-                pull(&mut prices[*to as usize * count..][..count], *label, capacity);
+                pull(&mut prices[*to as usize * count..][..count], *label, hold.at(p));
             }
         }
     }
@@ -375,45 +333,4 @@ fn mostly_new(
         }
     }
     new.iter().zip(&seen).map(|(n, s)| *s > 0 && 4 * n > 3 * s).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::cut::Graph;
-    use chiaro_basis::random;
-
-    /// A square of pixels that are white where `is_white` holds for their places.
-    fn square(knobs: &BinaryKnobs, is_white: impl Fn(usize) -> bool + Sync) -> Cel {
-        let (w, h) = (64, 64);
-        let covered = Plane::filled(w, h, true);
-        let white = Plane::from_fn(w, h, |x, y| is_white(y * w + x));
-        let difference = white.map(|white| if *white { 0.5 } else { -0.5 });
-        let graph = Graph::new(&covered, &difference, &Plane::filled(w, h, [0.0; 4]), knobs);
-        Cel::new(graph, Plane::from_fn(w, h, |x, y| (y * w + x) as u32)).expect("small weights")
-    }
-
-    #[test]
-    fn frames_hold_on_the_less_the_more_changes() {
-        let knobs = BinaryKnobs::default();
-        let first = square(&knobs, |_| false);
-        let usual = knobs.coherence * knobs.neighbour * first.graph.scale;
-        let strength = |rows: usize| {
-            let cel = square(&knobs, |p| p < 64 * rows);
-            holds(&cel, Some(&first), &knobs)[0] as f32 / usual
-        };
-        assert!((strength(0) - MOST_STRENGTH).abs() < 1e-2);
-        assert!((strength(64) - LEAST_STRENGTH).abs() < 1e-2);
-        // All changes in an eighth of the squares of eight: 64 pixels each, of which eight by chance.
-        assert!((strength(8) - (USUAL_CHANGE * 8.0 * 64.0 / 56.0).sqrt()).abs() < 1e-2);
-        assert_eq!(holds(&first, None, &knobs), [usual.round() as i32]);
-    }
-
-    #[test]
-    fn noise_is_no_change() {
-        let knobs = BinaryKnobs::default();
-        let noisy = |seed| square(&knobs, move |p| random::unit(seed, p as u64) < 0.5);
-        let share = changing(&noisy(1), &noisy(2), 0);
-        assert!(share < 0.02, "{share}");
-    }
 }

@@ -21,6 +21,7 @@ mod film;
 mod flicker;
 mod geometry;
 mod halo;
+mod hold;
 mod island;
 mod knob;
 mod line;

@@ -17,6 +17,7 @@
 
 use crate::cel::{Cel, all_apart};
 use crate::geometry::EDGES;
+use crate::hold::Hold;
 use crate::knob::scaled;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
@@ -44,15 +45,15 @@ pub(crate) struct Bond<'a> {
     pub(crate) links: &'a Plane<u32>,
     /// The labels of the frame.
     pub(crate) labels: &'a Plane<u8>,
-    /// What each link is worth.
-    pub(crate) capacity: i32,
+    /// What the links are worth.
+    pub(crate) hold: Hold<'a>,
 }
 
-/// The labels of a layer of consecutive frames, cut together; `holds` is what a link of each frame to
-/// the one before is worth.
+/// The labels of a layer of consecutive frames, cut together; `holds` is what the links of each frame
+/// to the one before are worth.
 pub(crate) fn cut_window(
     (cels, layer): (&[&Cel], usize),
-    holds: &[i32],
+    holds: &[Hold<'_>],
     known: &Known,
 ) -> Result<Vec<Plane<u8>>> {
     let volume = Volume::new((cels, layer), holds, known);
@@ -69,8 +70,8 @@ struct Volume<'a> {
     cels: &'a [&'a Cel],
     /// Pixels of a frame.
     frame: usize,
-    /// The capacity of a link of each frame to the one before.
-    holds: &'a [i32],
+    /// What the links of each frame to the one before are worth.
+    holds: &'a [Hold<'a>],
     /// How many labels there are.
     count: usize,
     /// Each frame's own labels.
@@ -91,7 +92,7 @@ pub(crate) fn pull(prices: &mut [i32], label: u8, capacity: i32) {
 }
 
 impl<'a> Volume<'a> {
-    fn new((cels, layer): (&'a [&'a Cel], usize), holds: &'a [i32], known: &Known) -> Self {
+    fn new((cels, layer): (&'a [&'a Cel], usize), holds: &'a [Hold<'a>], known: &Known) -> Self {
         let mut volume = Self {
             cels,
             frame: cels[0].graph.mask.len(),
@@ -118,6 +119,11 @@ impl<'a> Volume<'a> {
             let linked = cel.links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED);
             linked.map(move |(p, to)| (here + p, before + *to as usize))
         })
+    }
+
+    /// What the link of a pixel of the volume is worth.
+    fn hold(&self, p: usize) -> i32 {
+        self.holds[p / self.frame].at(p % self.frame)
     }
 
     /// Pixels whose own label is not that of the pixel they were, and those pixels.
@@ -182,15 +188,15 @@ impl<'a> Volume<'a> {
         if let Some(before) = known.before {
             for (p, to) in self.cels[0].links.pixels().iter().enumerate() {
                 if *to != UNLINKED {
-                    self.draw(p, before.pixels()[*to as usize], self.holds[0]);
+                    self.draw(p, before.pixels()[*to as usize], self.hold(p));
                 }
             }
         }
-        if let Some(Bond { links, labels, capacity }) = known.after {
+        if let Some(Bond { links, labels, hold }) = known.after {
             let last = self.alone.len() - self.frame;
-            for (to, label) in links.pixels().iter().zip(labels.pixels()) {
+            for (p, (to, label)) in links.pixels().iter().zip(labels.pixels()).enumerate() {
                 if *to != UNLINKED {
-                    self.draw(last + *to as usize, *label, capacity);
+                    self.draw(last + *to as usize, *label, hold.at(p));
                 }
             }
         }
@@ -230,7 +236,7 @@ impl<'a> Volume<'a> {
     fn pull_of_links(&mut self) {
         let links: Vec<(usize, usize)> = self.links().collect();
         for (p, q) in links {
-            self.bind(p, q, self.holds[p / self.frame]);
+            self.bind(p, q, self.hold(p));
         }
     }
 
@@ -245,7 +251,7 @@ impl<'a> Volume<'a> {
         let mut time: Vec<Option<TimeLink>> = vec![None; mask.len()];
         for (p, q) in self.links().filter(|(p, q)| free[*p] && free[*q]) {
             let to = (crop.place(q) % crop.pixels()) as u32;
-            time[crop.place(p)] = Some(TimeLink { to, capacity: [self.holds[p / self.frame]; 2] });
+            time[crop.place(p)] = Some(TimeLink { to, capacity: [self.hold(p); 2] });
         }
         let found = match self.count {
             2 => self.cut(&crop, &mask, &neighbour, &time)?,
