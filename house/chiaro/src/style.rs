@@ -2,8 +2,8 @@
 //!
 //! A style file has a one-line `description`, a table `[binary]` of knobs for regions, tables
 //! `[lines]`, `[stroke]` and `[[rule]]` for lines ([`LineStyle`]), the colours `ink`, `paper` and
-//! `background` where they are its own, and `over`: what its lines are drawn over. What a file does
-//! not name keeps its default.
+//! `background` where they are its own, and `over`: what its lines are drawn over; over regions they
+//! take the place of the regions' own. What a file does not name keeps its default.
 
 use crate::colours::Colours;
 use crate::lines::LineStyle;
@@ -270,6 +270,15 @@ mod tests {
             assert_eq!((again.colours(), again.over), (style.colours(), style.over));
             assert!(!style.description.is_empty());
         }
+    }
+
+    #[test]
+    fn lines_over_regions_take_the_place_of_their_own() {
+        let comic = Style::find("comic").unwrap();
+        let look = crate::lines::Look::of(&comic).unwrap();
+        assert!(comic.binary.lines && !look.binary.lines);
+        let pen = Style::find("pen").unwrap();
+        assert!(pen.binary.lines && crate::lines::Look::of(&pen).unwrap().binary.lines);
     }
 
     #[test]

@@ -62,8 +62,10 @@ pub struct Look<'a> {
 impl<'a> Look<'a> {
     /// A style as it is.
     pub fn of(style: &'a Style) -> Result<Self> {
-        let (lines, binary) = (style.lines.clone(), style.binary.clone());
+        let (lines, mut binary) = (style.lines.clone(), style.binary.clone());
         let over = Over::parse(&style.over)?;
+        // Strokes take the place of the lines that the regions have without them.
+        binary.lines &= over != Over::Binary;
         let (colours, print, light) = (style.colours(), Print::default(), LightKnobs::default());
         Ok(Self { style, lines, binary, over, light, colours, print })
     }
