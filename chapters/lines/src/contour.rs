@@ -123,7 +123,7 @@ impl Scenery<'_> {
     /// A segment along a crease: seen on the outside of a convex edge alone.
     fn strip_segment(&self, face: u32) -> Segment {
         match self.surface.crease_of(face as usize) {
-            Some(Crease { left, right }) => {
+            Some(Crease { left, right, .. }) => {
                 let buried = !self.is_convex(left, right);
                 Segment { own: [left / 3, right / 3], buried, outside: false, shared: false }
             }

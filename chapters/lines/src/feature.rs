@@ -7,7 +7,7 @@
 use crate::contour::Scenery;
 use crate::fringe::Fringe;
 use crate::path::{Kind, Path, Point, Segment};
-use crate::surface::{Anchor, NONE, Surface};
+use crate::surface::{Anchor, Crease, NONE, Surface};
 use chiaro_basis::math::DVec3;
 use std::collections::BTreeMap;
 
@@ -39,7 +39,7 @@ impl Features {
     pub fn of(surface: &Surface, positions: &[DVec3]) -> Self {
         let mut chains = Vec::new();
         for (kind, halves) in [
-            (Kind::Crease, surface.creases.iter().map(|c| c.left).collect()),
+            (Kind::Crease, creases(surface)),
             (Kind::Border, borders(surface)),
             (Kind::Material, material_borders(surface)),
         ] {
@@ -65,6 +65,10 @@ impl Features {
     }
 }
 
+fn creases(surface: &Surface) -> Vec<u32> {
+    surface.creases.iter().filter(|c| c.sharp).map(|c| c.left).collect()
+}
+
 fn borders(surface: &Surface) -> Vec<u32> {
     let real = 0..3 * surface.real_faces as u32;
     real.filter(|&h| surface.mate[h as usize] == NONE).collect()
@@ -74,11 +78,9 @@ fn material_borders(surface: &Surface) -> Vec<u32> {
     let material = |h: u32| surface.sources[h as usize / 3].material;
     let real = 0..3 * surface.real_faces as u32;
     real.filter(|&h| {
-        let mate = surface.mate[h as usize];
-        mate != NONE
-            && h < mate
-            && !surface.is_strip(mate as usize / 3)
-            && material(h) != material(mate)
+        let across = surface.across(h);
+        let is_crease = || surface.crease_at(h).is_some_and(|c| c.sharp);
+        across != NONE && h < across && material(h) != material(across) && !is_crease()
     })
     .collect()
 }
@@ -188,8 +190,8 @@ fn feature_path(chain: &FeatureChain, index: u32, scenery: &Scenery<'_>, g: &[f6
             points.push(point(a, 0.0));
         }
         let (from, to) = (points[points.len() - 1], point(b, (k + 1) as f64));
-        let own = [half / 3, other_face(surface, half)];
-        for ([t0, t1], [buried, shared]) in parts(chain.kind, half, marked != half, scenery, g) {
+        let own = [half / 3, face_across(surface, half)];
+        for ([t0, t1], [buried, shared]) in parts(half, marked != half, scenery, g) {
             if t0 < t1 {
                 segments.push(Segment { own, buried, outside: false, shared });
                 points.push(if t1 >= 1.0 { to } else { Point::mix(&from, &to, t1) });
@@ -199,32 +201,26 @@ fn feature_path(chain: &FeatureChain, index: u32, scenery: &Scenery<'_>, g: &[f6
     Path::new(chain.kind, index, chain.closed, &points, &segments, scenery.view, scenery.margin)
 }
 
-/// The real face on the other side of an edge, across a strip if there is one.
-fn other_face(surface: &Surface, half: u32) -> u32 {
-    let mate = surface.mate[half as usize];
-    if mate == NONE {
-        return NONE;
+/// The real face on the other side of an edge.
+fn face_across(surface: &Surface, half: u32) -> u32 {
+    match surface.across(half) {
+        NONE => NONE,
+        across => across / 3,
     }
-    if !surface.is_strip(mate as usize / 3) {
-        return mate / 3;
-    }
-    let crease = surface.creases.binary_search_by_key(&half, |c| c.left);
-    crease.map_or(NONE, |i| surface.creases[i].right / 3)
 }
 
 /// The parts of an edge, as shares of it, whether each is never visible, and whether a silhouette
-/// runs there: for creases, where both sides show their backs, or one.
+/// runs there: where the surface is opened, where both sides show their backs, or one.
 fn parts(
-    kind: Kind,
     half: u32,
     backwards: bool,
     scenery: &Scenery<'_>,
     g: &[f64],
 ) -> Vec<([f64; 2], [bool; 2])> {
     let surface = scenery.surface;
-    let crease = surface.creases.binary_search_by_key(&half, |c| c.left);
-    let (Kind::Crease, Ok(i)) = (kind, crease) else { return vec![([0.0, 1.0], [false; 2])] };
-    let right = surface.creases[i].right;
+    let Some(Crease { right, .. }) = surface.crease_at(half) else {
+        return vec![([0.0, 1.0], [false; 2])];
+    };
     let left = front_interval([surface.from(half), surface.to(half)], g);
     let right = front_interval([surface.to(right), surface.from(right)], g);
     let two_sided = surface.sources[half as usize / 3].two_sided;

@@ -20,7 +20,7 @@ use crate::posed::Posed;
 use crate::slice::Slice;
 use crate::strands::{in_parts, strands};
 use crate::stroke::Stroke;
-use crate::surface::{CreaseRule, Surface};
+use crate::surface::{CreaseRule, Detail, Surface};
 use crate::track::{EventKind, Identity, Interval, Kinetic, Order, Strands};
 use crate::view::View;
 use chiaro_basis::math::{DVec2, DVec3};
@@ -112,13 +112,13 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// The surface of a frame, with its edge lines; each shape refined `levels` times.
-    pub fn of(scene: &Scene, frame: &Frame, knobs: &LinesKnobs, levels: &[u8]) -> Self {
+    /// The surface of a frame, with its edge lines; each shape followed as closely as `details` says.
+    pub fn of(scene: &Scene, frame: &Frame, knobs: &LinesKnobs, details: &[Detail]) -> Self {
         let rule = CreaseRule {
             angle: knobs.crease_angle.to_radians(),
             smooth_angle: knobs.smooth_crease_angle.max(knobs.crease_angle).to_radians(),
         };
-        let surface = Surface::refined(scene, frame, &rule, levels);
+        let surface = Surface::refined(scene, frame, &rule, details);
         let features = Features::of(&surface, &crate::posed::positions(&surface, frame));
         let masks = Masks::of(scene, frame, &surface);
         Self { surface, features, masks }
@@ -209,14 +209,11 @@ impl Reel<'_> {
                 return None;
             }
             let ground = Ground::of(self.scene, &frame, knobs, &[]);
-            let mut levels = match knobs.subdivide {
-                0 => vec![0; frame.shapes.len()],
-                _ => crate::refine::levels(self, &ground, knobs),
-            };
-            levels.iter_mut().for_each(|l| *l += more);
-            let coarse = levels.iter().all(|l| *l == 0);
+            let mut details = crate::refine::details(self, &ground, knobs);
+            details.iter_mut().for_each(|d| d.levels += more);
+            let as_it_is = details.iter().all(|d| *d == Detail::default());
             let mut ground =
-                if coarse { ground } else { Ground::of(self.scene, &frame, knobs, &levels) };
+                if as_it_is { ground } else { Ground::of(self.scene, &frame, knobs, &details) };
             if knobs.border {
                 ground.features.fringes = crate::fringe::fringes(self, &ground);
             }

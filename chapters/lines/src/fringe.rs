@@ -196,7 +196,7 @@ impl Found {
         let mut halves: Vec<u32> = self.rims.keys().copied().collect();
         halves.sort_unstable();
         for half in halves {
-            let mate = across(surface, half);
+            let mate = surface.across(half);
             let Some(others) = self.rims.get(&mate).filter(|_| half < mate) else { continue };
             let mut pairs = Vec::new();
             for &(t, a, cell) in &self.rims[&half] {
@@ -262,16 +262,6 @@ impl Found {
         }
         fringe
     }
-}
-
-/// The half-edge of a real face on the other side of an edge, beyond the strip where that is a crease.
-fn across(surface: &Surface, half: u32) -> u32 {
-    let mate = surface.mate[half as usize];
-    if mate == NONE || !surface.is_strip(mate as usize / 3) {
-        return mate;
-    }
-    let crease = surface.crease_of(mate as usize / 3);
-    crease.map_or(NONE, |c| if c.left == half { c.right } else { c.left })
 }
 
 impl Fringe {

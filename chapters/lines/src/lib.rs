@@ -98,6 +98,6 @@ pub use quality::{Quality, quality};
 pub use sight::Sight;
 pub use slice::{Chain, Crossing, Slice};
 pub use stroke::{Owner, Sample, Stroke};
-pub use surface::{CreaseRule, Source, Surface};
+pub use surface::{CreaseRule, Detail, Source, Surface};
 pub use view::{Seen, View};
 pub use visibility::{Limits, Run as VisibleRun, Visible, visible};

@@ -8,6 +8,7 @@ use crate::film::{Ground, Reel};
 use crate::knob::LinesKnobs;
 use crate::posed::Posed;
 use crate::slice::Slice;
+use crate::surface::Detail;
 use chiaro_scene::Frame;
 
 /// Frames of the shot that are looked at.
@@ -17,8 +18,8 @@ const MOST: f64 = 0.8;
 /// Most faces that refinement may lead to.
 const FACES: usize = 3_000_000;
 
-/// The levels of each shape of a shot's frames; `ground` is not refined.
-pub(crate) fn levels(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> Vec<u8> {
+/// How closely the lines of a shot follow each shape of its frames; `ground` is not refined.
+pub(crate) fn details(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> Vec<Detail> {
     let looks = LOOKS.min(reel.count);
     let mut lengths: Vec<Vec<f64>> = Vec::new();
     for i in 0..looks {
@@ -26,8 +27,11 @@ pub(crate) fn levels(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> Ve
         lengths.resize(frame.shapes.len(), Vec::new());
         gather(&mut lengths, ground, &frame, &view, knobs);
     }
-    let levels: Vec<u8> = lengths.iter_mut().map(|l| level(l, knobs)).collect();
-    affordable(levels, ground, &(reel.at)(0).0)
+    let wanted: Vec<f64> = lengths.iter_mut().map(|l| halvings(l, knobs)).collect();
+    let level = |wanted: &f64| wanted.clamp(0.0, f64::from(knobs.subdivide)) as u8;
+    let levels = affordable(wanted.iter().map(level).collect(), ground, &(reel.at)(0).0);
+    let detail = |(levels, wanted): (u8, &f64)| Detail { levels, facets: *wanted > 0.0 };
+    levels.into_iter().zip(&wanted).map(detail).collect()
 }
 
 /// Adds the picture lengths of crossed edges to those of their shapes.
@@ -54,11 +58,10 @@ fn gather(
 }
 
 /// How often edges must be halved.
-fn level(lengths: &mut [f64], knobs: &LinesKnobs) -> u8 {
+fn halvings(lengths: &mut [f64], knobs: &LinesKnobs) -> f64 {
     lengths.sort_by(f64::total_cmp);
-    let Some(long) = lengths.get((MOST * lengths.len() as f64) as usize) else { return 0 };
-    let halvings = (long / f64::from(knobs.subdivide_edge)).log2().ceil();
-    halvings.clamp(0.0, f64::from(knobs.subdivide)) as u8
+    let Some(long) = lengths.get((MOST * lengths.len() as f64) as usize) else { return 0.0 };
+    (long / f64::from(knobs.subdivide_edge)).log2().ceil()
 }
 
 /// Takes levels away while there would be too many faces.

@@ -59,6 +59,34 @@ fn a_cube_shows_nine_edges() {
 }
 
 #[test]
+fn materials_that_meet_at_a_facets_edge_have_a_border() {
+    // A roof that bends too little for a crease.
+    let positions = [(-2.0, 0.0), (0.0, 0.5), (2.0, 0.0)]
+        .into_iter()
+        .flat_map(|(x, y)| [vec3(x, y, -1.0), vec3(x, y, 1.0)])
+        .collect::<Vec<Vec3>>();
+    let triangles = [[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]];
+    let mut scene = soup(&positions, &triangles, true);
+    scene.materials.push(chiaro_scene::Material::default());
+    scene.meshes[0].materials[2..].fill(chiaro_scene::MaterialId::new(1));
+    let still = frame(&scene);
+    let length = |from: Vec3, kind: Kind| -> f64 {
+        let film = film(&scene, 1, &|_| (still.clone(), view(from)));
+        let kinds = film.frames[0].strokes.iter().filter(|s| s.kind == kind);
+        let ends =
+            |s: &chiaro_lines::Stroke| [s.samples[0].world, s.samples[s.samples.len() - 1].world];
+        kinds.map(ends).map(|[a, b]| a.distance(b)).sum()
+    };
+    let above = vec3(0.5, 4.0, 2.0);
+    assert!((length(above, Kind::Material) - 2.0).abs() < 0.05);
+    assert_eq!(length(above, Kind::Silhouette), 0.0);
+    // Seen from the side the ridge is the outline, and drawn once.
+    let beside = vec3(5.0, 0.7, 0.3);
+    assert!((length(beside, Kind::Silhouette) - 2.0).abs() < 0.05);
+    assert_eq!(length(beside, Kind::Material), 0.0);
+}
+
+#[test]
 fn what_is_behind_is_hidden() {
     // A small cube behind a large sheet, and one before it.
     let (mut positions, mut triangles) = sheet(2, 0.0);

@@ -7,13 +7,13 @@ use chiaro_basis::Run;
 use chiaro_basis::math::{Vec3, vec3};
 use chiaro_lines::check::check;
 use chiaro_lines::surface::NONE;
-use chiaro_lines::{LinesKnobs, Reel, Surface, positions};
+use chiaro_lines::{Detail, LinesKnobs, Reel, Surface, positions};
 use chiaro_scene::Scene;
 use meshes::*;
 
 fn refined(scene: &Scene, levels: u8) -> (Surface, Vec<chiaro_basis::math::DVec3>) {
     let frame = frame(scene);
-    let surface = Surface::refined(scene, &frame, &SHARP, &[levels]);
+    let surface = Surface::refined(scene, &frame, &SHARP, &[Detail { levels, facets: false }]);
     let positions = positions(&surface, &frame);
     (surface, positions)
 }

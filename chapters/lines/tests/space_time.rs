@@ -67,7 +67,9 @@ fn surfaces() -> Vec<Surface> {
     let (p, t) = torus(9, 7, 0.2);
     let (q, u) = sheet(6, 0.2);
     let (c, w) = cube();
+    let (f, x) = torus(7, 5, 0.2);
     vec![
+        faceted(&soup(&f, &x, true), 0),
         surface(&scene(p, t, false), &SMOOTH),
         surface(&scene(q, u, false), &SMOOTH),
         surface(&scene(c, w, true), &SHARP),

@@ -60,6 +60,38 @@ fn the_silhouette_of_a_cube_runs_along_its_edges() {
 }
 
 #[test]
+fn silhouettes_of_facets_run_along_their_edges() {
+    let (positions, triangles) = torus(12, 8, 0.1);
+    let scene = soup(&positions, &triangles, true);
+    // Nothing in it is round, so that nothing is made rounder.
+    let s = faceted(&scene, 2);
+    assert_manifold(&s);
+    assert_eq!((s.real_faces, s.euler_characteristic()), (triangles.len(), 0));
+    let posed = chiaro_lines::Posed::new(&s, &frame(&scene), 0);
+    for k in 0..20 {
+        let from = chiaro_basis::math::Quat::from_rotation_y(0.3 * k as f32)
+            * chiaro_basis::math::vec3(1.0, 3.0 - 0.2 * k as f32, 4.0);
+        let slice = Slice::of(&s, &posed.facing(&view(from)));
+        assert!(!slice.chains.is_empty() && slice.chains.iter().all(|c| c.closed));
+        assert!(slice.crossings.iter().all(|c| s.is_strip(c.face as usize)));
+    }
+}
+
+#[test]
+fn seams_of_a_smooth_mesh_are_no_facets() {
+    let (positions, triangles) = torus(12, 8, 0.1);
+    let s = faceted(&soup(&positions, &triangles, false), 1);
+    assert_eq!((s.creases.len(), s.real_faces), (0, 4 * triangles.len()));
+    // Facets that bend little are opened, but are no lines of their own.
+    let flat = faceted(&soup(&positions, &triangles, true), 0);
+    let sharp = flat.creases.iter().filter(|c| c.sharp).count();
+    assert!(sharp > 0 && 2 * sharp < flat.creases.len(), "{sharp} of {}", flat.creases.len());
+    let (positions, triangles) = cube();
+    let cube = faceted(&soup(&positions, &triangles, true), 0);
+    assert_eq!(cube.creases.len(), 12, "the halves of a square are one facet");
+}
+
+#[test]
 fn a_torus_stays_one_and_a_sheet_keeps_its_border() {
     let (positions, triangles) = torus(24, 16, 0.2);
     let s = surface(&scene(positions, triangles, false), &SMOOTH);

@@ -6,8 +6,8 @@ use chiaro::{Options, Project};
 use chiaro_basis::Run;
 use chiaro_basis::math::{Quat, Vec3, vec3};
 use chiaro_lines::{
-    CreaseRule, Crossing, Film, LinesKnobs, Posed, Reel, Slice, Stroke, Surface, View, overlap,
-    track,
+    CreaseRule, Crossing, Detail, Film, LinesKnobs, Posed, Reel, Slice, Stroke, Surface, View,
+    overlap, track,
 };
 use chiaro_scene::{Pose, Projection};
 use std::path::{Path, PathBuf};
@@ -50,9 +50,10 @@ fn follow(file: &Path, degrees: f32) {
     let poser = project.poser();
     let frame = |i: u32| poser.frame(f64::from(i) / 24.0, &project.playback);
     let rule = CreaseRule { angle: 0.7, smooth_angle: 1.3 };
-    // Every other shape refined, so that both kinds are followed.
-    let levels: Vec<u8> = (0..frame(0).shapes.len()).map(|i| (i % 2) as u8).collect();
-    let surface = Surface::refined(&project.scene, &frame(0), &rule, &levels);
+    // Every other shape refined and with its facets, so that all kinds are followed.
+    let detail = |i: usize| Detail { levels: (i % 2) as u8, facets: i % 4 < 2 };
+    let details: Vec<Detail> = (0..frame(0).shapes.len()).map(detail).collect();
+    let surface = Surface::refined(&project.scene, &frame(0), &rule, &details);
     let bounds = frame(0).bounds();
     let mut before: Option<(Vec<f64>, Slice)> = None;
     let mut kinetic: Option<track::Kinetic<'_>> = None;

@@ -4,7 +4,7 @@
 //! fill the gap. Where three or more creases meet, a polygon fills the hole between their strips.
 //! All these triangles have no area at any time; only normals turn across them.
 
-use super::{Anchor, Crease, NONE, Source, Surface, next};
+use super::{Anchor, Crease, Fold, NONE, Source, Surface, next};
 use std::collections::HashMap;
 
 /// Triangles before their vertices are parted.
@@ -14,7 +14,7 @@ pub(super) struct Corners {
     pub(super) faces: Vec<[u32; 3]>,
     pub(super) sources: Vec<Source>,
     pub(super) mate: Vec<u32>,
-    pub(super) hard: Vec<bool>,
+    pub(super) folds: Vec<Fold>,
 }
 
 pub(super) fn surface(mut corners: Corners) -> Surface {
@@ -31,8 +31,10 @@ pub(super) fn surface(mut corners: Corners) -> Surface {
     let mut rungs = HashMap::new();
     for half in 0..corners.mate.len() as u32 {
         let mate = corners.mate[half as usize];
-        if corners.hard[half as usize] && half < mate {
-            surface.creases.push(Crease { left: half, right: mate });
+        let fold = corners.folds[half as usize];
+        if fold.opens() && half < mate {
+            let sharp = fold == Fold::Crease;
+            surface.creases.push(Crease { left: half, right: mate, sharp });
             strip(&mut surface, half, mate, &mut rungs);
             let crease = surface.creases.len() as u32 - 1;
             surface.strips.resize(surface.faces.len() - surface.real_faces, crease);
@@ -52,12 +54,12 @@ fn smooth_isolated(corners: &mut Corners) {
     let vertex = |h: u32| sectors.faces[h as usize / 3][h as usize % 3];
     for half in 0..corners.mate.len() as u32 {
         let mate = corners.mate[half as usize];
-        if corners.hard[half as usize]
+        if corners.folds[half as usize].opens()
             && vertex(half) == vertex(next(mate))
             && vertex(next(half)) == vertex(mate)
         {
-            corners.hard[half as usize] = false;
-            corners.hard[mate as usize] = false;
+            corners.folds[half as usize] = Fold::Smooth;
+            corners.folds[mate as usize] = Fold::Smooth;
         }
     }
 }
@@ -74,7 +76,7 @@ impl Sectors {
         let mut root: Vec<u32> = (0..count as u32).collect();
         for half in 0..count as u32 {
             let mate = corners.mate[half as usize];
-            if mate == NONE || mate < half || corners.hard[half as usize] {
+            if mate == NONE || mate < half || corners.folds[half as usize].opens() {
                 continue;
             }
             unite(&mut root, half, next(mate));

@@ -1,17 +1,15 @@
 //! Objects to one oriented manifold.
 
 use super::bevel::{self, Corners};
+use super::fold::{Fold, folds, is_faceted};
 use super::refine::{Net, Origin, Refinement};
-use super::{Anchor, NONE, Source, Surface};
+use super::{Anchor, Detail, NONE, Source, Surface};
 use chiaro_basis::math::Vec3;
 use chiaro_scene::topology::weld::Weld;
-use chiaro_scene::topology::{EdgeKind, Side, Topology, crease};
-use chiaro_scene::{Alpha, Frame, Material, Mesh, NormalSource, Object, Scene};
+use chiaro_scene::topology::{EdgeKind, Side, Topology};
+use chiaro_scene::{Alpha, Frame, Material, Mesh, Object, Scene};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-
-/// Normals of the file that are further apart than this mark an edge as hard, radians.
-const HARD_NORMALS: f32 = 0.1;
 
 /// What a crease is: an edge that bends by more than an angle and that is shaded hard.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +29,12 @@ struct Part {
     notes: Vec<String>,
 }
 
-pub(super) fn surface(scene: &Scene, frame: &Frame, rule: &CreaseRule, levels: &[u8]) -> Surface {
+pub(super) fn surface(
+    scene: &Scene,
+    frame: &Frame,
+    rule: &CreaseRule,
+    details: &[Detail],
+) -> Surface {
     let mut corners = Corners::default();
     let mut notes = Vec::new();
     let mut parts: Vec<Option<Part>> = frame.shapes.iter().map(|_| None).collect();
@@ -39,8 +42,8 @@ pub(super) fn surface(scene: &Scene, frame: &Frame, rule: &CreaseRule, levels: &
         let shape = &frame.shapes[object.shape];
         let mesh = shape.mesh_in(scene);
         let part = parts[object.shape].get_or_insert_with(|| {
-            let level = levels.get(object.shape).copied().unwrap_or(0);
-            let part = Part::of(mesh, &shape.positions, rule, level);
+            let detail = details.get(object.shape).copied().unwrap_or_default();
+            let part = Part::of(mesh, &shape.positions, rule, detail);
             notes.extend(part.notes.iter().cloned());
             part
         });
@@ -54,7 +57,7 @@ pub(super) fn surface(scene: &Scene, frame: &Frame, rule: &CreaseRule, levels: &
 }
 
 impl Part {
-    fn of(mesh: &Mesh, positions: &[Vec3], rule: &CreaseRule, level: u8) -> Self {
+    fn of(mesh: &Mesh, positions: &[Vec3], rule: &CreaseRule, detail: Detail) -> Self {
         let twins = Twins::of(mesh);
         let single = twins.without(mesh);
         let mesh = single.as_ref().unwrap_or(mesh);
@@ -62,14 +65,15 @@ impl Part {
         let turned = wind_alike(&topology);
         let joined: Vec<bool> =
             (0..topology.edges.len()).map(|e| joins(&topology, &turned, e)).collect();
-        let creased = creases(&topology, mesh, positions, rule);
+        let folds = folds(&topology, mesh, positions, rule, detail.facets);
         let notes = notes(mesh, &topology, &turned);
-        let net = net(&topology, &turned, (&joined, &creased), &twins);
+        let net = net(&topology, &turned, (&joined, &folds), &twins);
+        let plane = detail.facets && is_faceted(&topology, mesh, positions, &folds);
         let first = topology.weld.first;
-        if level == 0 {
+        if detail.levels == 0 || plane {
             return Self { net, first, refinement: None, notes };
         }
-        let (refinement, net) = Refinement::of(net, &first, positions, level);
+        let (refinement, net) = Refinement::of(net, &first, positions, detail.levels);
         Self { net, first, refinement: Some(refinement), notes }
     }
 }
@@ -154,7 +158,7 @@ fn is_even([a, b, c]: [u32; 3]) -> bool {
 fn net(
     topology: &Topology,
     turned: &[bool],
-    (joined, creased): (&[bool], &[bool]),
+    (joined, folds): (&[bool], &[Fold]),
     twins: &Twins,
 ) -> Net {
     let mut net = Net::default();
@@ -170,7 +174,7 @@ fn net(
         net.origins.push(Origin { face, turned: turned[f], twice, part: 1 });
     }
     net.mate = vec![NONE; 3 * net.triangles.len()];
-    net.hard = vec![false; 3 * net.triangles.len()];
+    net.folds = vec![Fold::Smooth; 3 * net.triangles.len()];
     for edge in (0..topology.edges.len()).filter(|&e| joined[e]) {
         let [a, b] = [topology.sides(edge)[0], topology.sides(edge)[1]].map(|s| {
             let corner = corner_listed(s.corner(), turned[s.face()]);
@@ -178,8 +182,8 @@ fn net(
         });
         net.mate[a] = b as u32;
         net.mate[b] = a as u32;
-        net.hard[a] = creased[edge];
-        net.hard[b] = creased[edge];
+        net.folds[a] = folds[edge];
+        net.folds[b] = folds[edge];
     }
     net
 }
@@ -188,17 +192,6 @@ fn net(
 /// become ba, cb, ac.
 fn corner_listed(corner: usize, against: bool) -> usize {
     if against { [2, 1, 0][corner] } else { corner }
-}
-
-fn creases(topology: &Topology, mesh: &Mesh, positions: &[Vec3], rule: &CreaseRule) -> Vec<bool> {
-    let sharp = crease::by_angle(topology, positions, rule.smooth_angle);
-    let bent = crease::by_angle(topology, positions, rule.angle);
-    let shaded = match &mesh.normals {
-        NormalSource::Given(normals) if normals.is_empty() => vec![true; bent.len()],
-        _ => crease::by_normals(topology, mesh, HARD_NORMALS),
-    };
-    let of = |e: usize| sharp[e] || (bent[e] && shaded[e]);
-    (0..topology.edges.len()).map(of).collect()
 }
 
 /// For each triangle, whether to turn it over so that neighbours wind alike; in each piece the
@@ -280,7 +273,7 @@ fn append(
         });
     }
     corners.mate.resize(3 * corners.faces.len(), NONE);
-    corners.hard.resize(3 * corners.faces.len(), false);
+    corners.folds.resize(3 * corners.faces.len(), Fold::Smooth);
     let placed =
         |h: u32| 3 * (base_face + h / 3) + corner_listed(h as usize % 3, object.mirrored) as u32;
     for h in 0..net.mate.len() as u32 {
@@ -288,7 +281,7 @@ fn append(
         if net.mate[h as usize] != NONE {
             corners.mate[at] = placed(net.mate[h as usize]);
         }
-        corners.hard[at] = net.hard[h as usize];
+        corners.folds[at] = net.folds[h as usize];
     }
 }
 

@@ -5,7 +5,9 @@
 //!    (`build`, `refine`).
 //! 2. Creases are opened and closed again with a strip of no width (`bevel`): on both sides of a
 //!    crease the vertices have normals of their own, and the strip turns from one to the other. The
-//!    surface stays closed, and a silhouette runs along a sharp edge as along a round one.
+//!    surface stays closed, and a silhouette runs along a sharp edge as along a round one. So are
+//!    edges between flat-shaded faces, however little they bend, where a shape is coarse: its outline is that of
+//!    its facets.
 //! 3. Half-edge 3 f + c runs from corner c of face f to the next; `mate` is the one across.
 //!
 //! Guaranteed: every edge has one or two faces, neighbours wind alike, every vertex has one fan.
@@ -13,12 +15,15 @@
 
 mod bevel;
 mod build;
+mod fold;
 mod refine;
 mod ring;
 
 pub use build::CreaseRule;
 pub use refine::Refinement;
 pub use ring::Ring;
+
+pub(crate) use fold::Fold;
 
 use crate::stroke::Owner;
 use chiaro_scene::{Frame, MaterialId, Scene};
@@ -56,6 +61,16 @@ pub struct Source {
     pub opaque: bool,
 }
 
+/// How closely a shape is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Detail {
+    /// How often it is refined.
+    pub levels: u8,
+    /// Whether edges that the file shades hard are opened however little they bend, so that
+    /// silhouettes run along the facets that are seen.
+    pub facets: bool,
+}
+
 /// A crease: two half-edges of real faces with a strip between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crease {
@@ -63,6 +78,8 @@ pub struct Crease {
     pub left: u32,
     /// The half-edge on the other; it runs the other way.
     pub right: u32,
+    /// Whether it bends enough to be a line of its own; silhouettes run along others too.
+    pub sharp: bool,
 }
 
 /// An oriented manifold made of everything that is drawn.
@@ -115,10 +132,10 @@ impl Surface {
         Self::refined(scene, frame, rule, &[])
     }
 
-    /// The same, each shape of the frame refined as many times as `levels` says (none if it says
-    /// nothing).
-    pub fn refined(scene: &Scene, frame: &Frame, rule: &CreaseRule, levels: &[u8]) -> Self {
-        build::surface(scene, frame, rule, levels)
+    /// The same, each shape of the frame followed as closely as `details` says (by its triangles as
+    /// they are if it says nothing).
+    pub fn refined(scene: &Scene, frame: &Frame, rule: &CreaseRule, details: &[Detail]) -> Self {
+        build::surface(scene, frame, rule, details)
     }
 
     /// Where a half-edge begins.
@@ -146,6 +163,21 @@ impl Surface {
     pub fn crease_of(&self, face: usize) -> Option<Crease> {
         let crease = *self.strips.get(face.checked_sub(self.real_faces)?)?;
         self.creases.get(crease as usize).copied()
+    }
+
+    /// The crease of which a half-edge of a real face is a side.
+    pub fn crease_at(&self, half: u32) -> Option<Crease> {
+        let mate = self.mate[half as usize];
+        if mate == NONE { None } else { self.crease_of(mate as usize / 3) }
+    }
+
+    /// The half-edge of a real face across one of a real face, beyond the strip if it is a crease's.
+    pub fn across(&self, half: u32) -> u32 {
+        match self.crease_at(half) {
+            Some(c) if c.left == half => c.right,
+            Some(c) => c.left,
+            None => self.mate[half as usize],
+        }
     }
 
     /// Whether an edge has one face alone.

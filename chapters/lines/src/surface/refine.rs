@@ -15,7 +15,7 @@
 //! Everything but the points' places is decided once; a pose costs a few sums a point.
 
 use super::bevel::{find, unite};
-use super::{NONE, next};
+use super::{Fold, NONE, next};
 use chiaro_basis::math::{DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 
@@ -39,8 +39,8 @@ pub(super) struct Net {
     pub(super) origins: Vec<Origin>,
     /// The half-edge across each, or [`NONE`].
     pub(super) mate: Vec<u32>,
-    /// Whether each half-edge is a crease.
-    pub(super) hard: Vec<bool>,
+    /// What becomes of each half-edge; opened ones stay sharp.
+    pub(super) folds: Vec<Fold>,
 }
 
 /// A face's triangle in the mesh.
@@ -156,7 +156,7 @@ impl Level {
     ) -> u32 {
         let [a, b] = ends(net, half);
         let h = half as usize;
-        if net.mate[h] != NONE && !net.hard[h] {
+        if net.mate[h] != NONE && !net.folds[h].opens() {
             let of = |x: u32| self.sectors[x as usize / 3][x as usize % 3];
             let curve = Curve::Smooth([of(half), of(next(half))], lift as f32);
             self.middles.push(Middle { ends: [a, b], curve });
@@ -222,7 +222,7 @@ fn height(net: &Net, half: u32, points: &[DVec3]) -> f64 {
 fn lifts_of_sharp(net: &Net, points: &[DVec3]) -> HashMap<[u32; 2], f64> {
     let mut least = HashMap::new();
     for half in 0..net.mate.len() as u32 {
-        if net.mate[half as usize] == NONE || net.hard[half as usize] {
+        if net.mate[half as usize] == NONE || net.folds[half as usize].opens() {
             let lift = SHARP_LIFT * height(net, half, points);
             least.entry(key(net, half)).and_modify(|l: &mut f64| *l = l.min(lift)).or_insert(lift);
         }
@@ -248,7 +248,7 @@ fn sectors(net: &Net) -> (Vec<[u32; 3]>, usize) {
     let mut root: Vec<u32> = (0..count as u32).collect();
     for half in 0..count as u32 {
         let mate = net.mate[half as usize];
-        if mate != NONE && half < mate && !net.hard[half as usize] {
+        if mate != NONE && half < mate && !net.folds[half as usize].opens() {
             unite(&mut root, half, next(mate));
             unite(&mut root, next(half), mate);
         }
@@ -271,7 +271,7 @@ fn sectors(net: &Net) -> (Vec<[u32; 3]>, usize) {
 fn sharp_neighbours(net: &Net, points: &[DVec3]) -> impl Fn(u32, u32) -> u32 + use<> {
     let mut around: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for half in 0..net.mate.len() as u32 {
-        if net.mate[half as usize] == NONE || net.hard[half as usize] {
+        if net.mate[half as usize] == NONE || net.folds[half as usize].opens() {
             let [a, b] = ends(net, half);
             for (from, to) in [(a, b), (b, a)] {
                 let list = around.entry(from).or_default();
@@ -301,7 +301,7 @@ fn quartered(net: &Net, middle: &[u32]) -> Net {
         triangles: Vec::with_capacity(4 * count),
         origins: Vec::with_capacity(4 * count),
         mate: vec![NONE; 12 * count],
-        hard: vec![false; 12 * count],
+        folds: vec![Fold::Smooth; 12 * count],
     };
     for (f, [a, b, c]) in net.triangles.iter().copied().enumerate() {
         let [m, n, o] = [0, 1, 2].map(|k| middle[3 * f + k]);
@@ -324,8 +324,8 @@ fn quartered(net: &Net, middle: &[u32]) -> Net {
             finer.mate[first as usize] = other_second;
             finer.mate[second as usize] = other_first;
         }
-        finer.hard[first as usize] = net.hard[half as usize];
-        finer.hard[second as usize] = net.hard[half as usize];
+        finer.folds[first as usize] = net.folds[half as usize];
+        finer.folds[second as usize] = net.folds[half as usize];
     }
     finer
 }

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test file uses some of them")]
 
 use chiaro_basis::math::{Quat, Vec3, vec3};
-use chiaro_lines::{CreaseRule, Surface, View};
+use chiaro_lines::{CreaseRule, Detail, Surface, View};
 use chiaro_scene::{
     Frame, Material, MaterialId, Mesh, MeshId, Node, NormalSource, Playback, Pose, Projection,
     Scene,
@@ -26,6 +26,26 @@ pub(crate) fn scene(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, hard: bool) 
         nodes: vec![Node { mesh: Some(MeshId::new(0)), ..Node::default() }],
         ..Scene::default()
     }
+}
+
+/// A scene of one mesh whose triangles share no vertices, as files without normals come: `flat`
+/// ones each have a normal of their own, others those of the places where they meet.
+pub(crate) fn soup(positions: &[Vec3], triangles: &[[u32; 3]], flat: bool) -> Scene {
+    let corners: Vec<u32> = triangles.iter().flatten().copied().collect();
+    let apart = corners.iter().map(|v| positions[*v as usize]).collect();
+    let count = triangles.len() as u32;
+    let mut scene =
+        scene(apart, (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(), false);
+    if !flat {
+        scene.meshes[0].normals = NormalSource::Faces(corners);
+    }
+    scene
+}
+
+/// The surface of a coarse shape, with the facets that the file shades.
+pub(crate) fn faceted(scene: &Scene, levels: u8) -> Surface {
+    let detail = Detail { levels, facets: true };
+    Surface::refined(scene, &frame(scene), &SHARP, &[detail])
 }
 
 pub(crate) fn frame(scene: &Scene) -> Frame {
