@@ -19,15 +19,13 @@ use chiaro_basis::{Result, Run};
 use std::collections::BTreeMap;
 
 /// Scales of the robust weights, pixels.
-pub(crate) const ANNEAL: [f64; 5] = [200.0, 50.0, 12.0, 8.0, 8.0];
+pub(crate) const ANNEAL: [f64; 4] = [200.0, 50.0, 12.0, 8.0];
 /// The same where most contradictions are cut already.
 pub(crate) const AGAIN: [f64; 3] = [100.0, 25.0, 8.0];
 /// w_proj of the stiff solve.
 const STIFF: f64 = 1e-3;
 /// Residuals below this share of a scale leave links trusted, by 0.89 at least.
 const TRUSTED: f64 = 0.25;
-/// A part has settled when residuals change by less, pixels.
-const STILL: f64 = 0.1;
 /// Single links go beyond this many sliding limits.
 const SINGLE: f64 = 3.0;
 
@@ -82,7 +80,6 @@ impl Robust<'_> {
         // Scales below this change a part.
         let mut reach: Vec<f64> =
             done.iter().map(|done| if *done { 0.0 } else { f64::INFINITY }).collect();
-        let last = self.anneal.last().copied().unwrap_or(0.0);
         for &s in self.anneal {
             self.run.check()?;
             let which: Vec<bool> = reach.iter().map(|reach| s < *reach).collect();
@@ -96,13 +93,10 @@ impl Robust<'_> {
             let turned = self::wraps(net, energy, period, &u);
             let now = left(&u, &turned);
             for (part, reach) in reach.iter_mut().enumerate().filter(|(p, _)| which[*p]) {
-                let most =
-                    |f: &dyn Fn(usize) -> f64| energy.links_of(part).map(f).fold(0.0, f64::max);
-                let settled = s == last && most(&|i| (now[i] - residual[i]).abs()) < STILL;
+                let most = energy.links_of(part).map(|i| now[i].abs()).fold(0.0, f64::max);
                 *reach = match energy.links_of(part).any(|i| turned[i] != wraps[i]) {
                     true => f64::INFINITY,
-                    false if settled => 0.0,
-                    false => most(&|i| now[i].abs()) / TRUSTED,
+                    false => most / TRUSTED,
                 };
             }
             (wraps, residual) = (turned, now);

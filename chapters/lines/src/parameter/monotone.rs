@@ -1,7 +1,7 @@
 //! Textures never run backwards: what a solution folds is mended.
 //!
-//! First by weights: segments that fold become stiffer and the links on them weaker, and the film is
-//! solved again. What is left is the nearest line that rises by a share of its length on every
+//! First by weights: where some fold, they and those that nearly do become stiffer and the links on them weaker, and
+//! the film is solved again. What is left is the nearest line that rises by a share of its length on every
 //! segment (pool adjacent violators, weighted by length), exactly.
 
 use super::energy::{Energy, Factors, Weights};
@@ -10,7 +10,7 @@ use chiaro_solve::Singular;
 
 /// The least slope, relative to an even spread.
 const LEAST: f64 = 0.2;
-/// The slope below which a segment counts as folding while weights are mended.
+/// The slope below which a segment is mended with those that fold.
 const SUSPECT: f64 = 0.1;
 /// How often weights are mended.
 const ROUNDS: usize = 4;
@@ -33,7 +33,7 @@ pub(crate) fn solve(
         }
         let is_bad = |i: &usize| slopes[*i] < SUSPECT;
         let which: Vec<bool> =
-            (0..energy.parts()).map(|p| energy.segments_of(p).any(|i| is_bad(&i))).collect();
+            (0..energy.parts()).map(|p| energy.segments_of(p).any(|i| slopes[i] <= 0.0)).collect();
         if !which.contains(&true) {
             break;
         }
