@@ -114,6 +114,53 @@ fn a_loop_does_not_show_where_it_closes() {
 }
 
 #[test]
+fn marks_stay_on_their_line_where_u_leaps_and_falls() {
+    // As methods without a future leave it: a loop whose u goes back by a whole period halfway round.
+    let mut back = ring(40.0, 0);
+    let period = back.axis.period.expect("it closes");
+    back.knots[50..].iter_mut().for_each(|k| k.u -= period);
+    // And one that runs backwards for a third of its way.
+    let mut falls = ring(40.0, 0);
+    let turn = |u: f64| if u < 32.0 { u } else { (64.0 - u).max(u - 64.0) };
+    falls.knots.iter_mut().enumerate().for_each(|(i, k)| k.u = 2.5 * turn(i as f64));
+    for spine in [back, falls] {
+        for sets in [
+            &[("mark", "dashes"), ("spacing", "9"), ("width", "3")][..],
+            &[("mark", "dots"), ("spacing", "9"), ("size", "4")],
+            &[("mark", "thorns"), ("spacing", "9"), ("size", "6"), ("lean", "0")],
+        ] {
+            let brush = brush(sets);
+            let all = ribbons(&brush, &spine);
+            let marks = all.iter().filter(|r| !r.closed);
+            let ribs: Vec<Vec2> = marks.flat_map(|r| &r.ribs).map(|r| r.at).collect();
+            let off = |p: &Vec2| (p.distance(Vec2::splat(60.0)) - 40.0).abs();
+            assert!(ribs.iter().all(|p| off(p) < 7.0), "{sets:?}: a mark leaves the line");
+            for way in 0..24 {
+                let on = Vec2::splat(60.0) + 40.0 * Vec2::from_angle(way as f32 * 0.2618);
+                let near = ribs.iter().any(|p| p.distance(on) < 13.0);
+                assert!(near, "{sets:?}: nothing at {on}");
+            }
+            let thorns = all.iter().filter(|r| brush.mark == Mark::Thorns && r.ribs.len() == 7);
+            let tips: Vec<f32> = thorns.map(|r| r.ribs[6].at.distance(Vec2::splat(60.0))).collect();
+            let outside = tips.iter().filter(|r| **r > 40.0).count();
+            assert!(outside == 0 || outside == tips.len(), "{outside} of {} stand out", tips.len());
+        }
+    }
+}
+
+#[test]
+fn marks_are_as_large_where_a_line_goes_on() {
+    let brush = brush(&[("mark", "dots"), ("spacing", "10"), ("size", "4"), ("jitter", "0")]);
+    let line: Vec<[f32; 2]> = (0..=20).map(|i| [3.0 * i as f32, 30.0]).collect();
+    let sizes = |goes_on: [bool; 2]| -> Vec<f32> {
+        let spine = Spine { goes_on, ..spine(&line, 6.0) };
+        ribbons(&brush, &spine).iter().map(|r| r.ribs[0].half).collect()
+    };
+    let [alone, joined] = [sizes([false; 2]), sizes([true; 2])];
+    assert!(alone[0] < 1.9 && (joined[0] - 2.0).abs() < 1e-3, "{alone:?} {joined:?}");
+}
+
+#[test]
 fn marks_stick_to_u_while_the_ends_move() {
     let whole: Vec<[f32; 2]> = (0..=38).map(|i| [3.0 + 3.0 * i as f32, 30.0]).collect();
     for sets in [

@@ -1,7 +1,9 @@
 //! A brush and a spine to ribbons: lines, double lines, dashes, dots, thorns, hairs.
 //!
 //! Marks are placed by u: the k-th is at k spacings, moved and sized by the hash of k, so that it
-//! travels with the line. Near the ends of a stroke they are smaller, so that none pops.
+//! travels with the line. Near the ends of a stroke they are smaller, so that none pops; less so where the line goes
+//! on as another, where two of them must not touch. Where u falls, as by methods that know no future it may, they are
+//! placed part by part.
 
 use super::knob::{Brush, Cap, Mark, Side};
 use super::ribbon::{Rib, Ribbon};
@@ -9,6 +11,8 @@ use super::spine::{Knot, Spine};
 use super::width::Hand;
 use chiaro_basis::math::Vec2;
 
+/// Share of their spacing within which marks are smaller at an end, and where the line goes on.
+const SMALLER: [f32; 2] = [0.6, 0.25];
 /// Hairs and thorns have this many points after their root.
 const JOINTS: usize = 6;
 /// Share of its width that each line of a double one keeps everywhere.
@@ -27,7 +31,10 @@ pub fn ribbons(brush: &Brush, spine: &Spine) -> Vec<Ribbon> {
         fine.clone().overshot(over).wobbled(brush.wobble, f64::from(brush.wobble_length), pass)
     });
     passes
-        .flat_map(|spine| Placing { brush, hand: Hand::new(brush, &spine), spine: &spine }.marks())
+        .flat_map(|spine| {
+            let hand = Hand::new(brush, &spine);
+            Placing { brush, hand, spine: &spine, turned: false }.marks()
+        })
         .collect()
 }
 
@@ -38,7 +45,8 @@ pub(super) fn band(brush: &Brush, spine: &Spine) -> Ribbon {
         return Ribbon::default();
     }
     let apart = if brush.mark == Mark::Double { 0.5 * brush.gap } else { 0.0 };
-    let placing = Placing { brush, hand: Hand::new(brush, &fine), spine: &fine };
+    let hand = Hand::new(brush, &fine);
+    let placing = Placing { brush, hand, spine: &fine, turned: false };
     Ribbon { round: [false; 2], ..placing.line(|h| h + apart) }
 }
 
@@ -64,6 +72,8 @@ struct Placing<'a> {
     brush: &'a Brush,
     spine: &'a Spine,
     hand: Hand<'a>,
+    /// Whether the spine runs against its line.
+    turned: bool,
 }
 
 /// A place for a mark.
@@ -81,15 +91,31 @@ impl Placing<'_> {
         match self.brush.mark {
             Mark::Line => vec![self.line(|h| h)],
             Mark::Double => self.double(),
-            Mark::Dashes => self.dashes(),
-            Mark::Dots => self.spots().iter().map(|s| self.dot(s)).collect(),
-            Mark::Thorns => {
-                let thorns = self.spots().into_iter().map(|s| self.thorn(&s));
-                std::iter::once(self.line(|h| h)).chain(thorns).collect()
-            }
-            Mark::Fur => self.spots().iter().map(|s| self.hair(s)).collect(),
+            Mark::Thorns => std::iter::once(self.line(|h| h)).chain(self.by_parts()).collect(),
+            Mark::Dashes | Mark::Dots | Mark::Fur => self.by_parts(),
             Mark::Nothing => Vec::new(),
         }
+    }
+
+    /// Marks placed by u, along each part on which it rises.
+    fn by_parts(&self) -> Vec<Ribbon> {
+        let Some(parts) = self.spine.rising() else { return self.by_u() };
+        let part = |(spine, turned): &(Spine, bool)| {
+            let hand = self.hand.on(spine);
+            Placing { brush: self.brush, hand, spine, turned: *turned }.by_u()
+        };
+        parts.iter().flat_map(part).collect()
+    }
+
+    /// Marks placed by u, which rises.
+    fn by_u(&self) -> Vec<Ribbon> {
+        let mark = match self.brush.mark {
+            Mark::Dots => Self::dot,
+            Mark::Thorns => Self::thorn,
+            Mark::Fur => Self::hair,
+            _ => return self.dashes(),
+        };
+        self.spots().iter().map(|s| mark(self, s)).collect()
     }
 
     /// The whole spine, its half widths passed through `half`.
@@ -175,12 +201,20 @@ impl Placing<'_> {
             let (knot, tangent) = self.spine.at(u)?;
             let length = along(self.spine, lengths, u);
             let full = self.hand.half_at(u, length, tangent) / (0.5 * self.brush.width).max(1e-6);
-            let end = length.min(self.hand.total() - length);
-            let near =
-                if self.spine.closed { 1.0 } else { (end / (0.6 * self.brush.spacing)).min(1.0) };
+            let near = self.near(length);
             Some(Spot { index, knot, tangent, scale: full * near * (2.0 - near) })
         };
         self.indices(lattice.cell, 0).filter_map(spot).collect()
+    }
+
+    /// Less than 1 near the ends.
+    fn near(&self, length: f32) -> f32 {
+        if self.spine.closed {
+            return 1.0;
+        }
+        let ends = [length, self.hand.total() - length].into_iter().zip(self.spine.goes_on);
+        let share = |(end, goes_on): (f32, bool)| end / SMALLER[usize::from(goes_on)];
+        (ends.map(share).fold(f32::INFINITY, f32::min) / self.brush.spacing).min(1.0)
     }
 
     /// A share in [0, 1] for a mark, near 1 where marks are even.
@@ -200,7 +234,7 @@ impl Placing<'_> {
             Side::Inside => false,
             Side::Both => self.spine.axis.share(spot.index, 51) < 0.5,
         };
-        if right { spot.tangent.perp() } else { -spot.tangent.perp() }
+        if right != self.turned { spot.tangent.perp() } else { -spot.tangent.perp() }
     }
 
     /// A spike, wide at its root, bent over as it leans.

@@ -24,6 +24,17 @@ pub struct Knot {
 /// meet, pixels.
 const MEETING: f32 = 24.0;
 
+/// Where u falls by more than so many times the length, it leaps.
+const LEAP: f64 = 4.0;
+
+/// How u goes from one point to the next.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Rises,
+    Falls,
+    Leaps,
+}
+
 /// The middle line of a stroke.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spine {
@@ -229,6 +240,37 @@ impl Spine {
         Some(Self::new(knots, false, self.axis)).filter(|s| s.knots.len() > 1)
     }
 
+    /// Where u does not rise all along, the parts along which it rises, and whether each is turned round to do so;
+    /// where it leaps back there is none.
+    pub(super) fn rising(&self) -> Option<Vec<(Self, bool)>> {
+        let way = |w: &[Knot]| match w[1].u - w[0].u {
+            rise if rise >= 0.0 => Way::Rises,
+            fall if -fall <= LEAP * f64::from(w[0].at.distance(w[1].at)) => Way::Falls,
+            _ => Way::Leaps,
+        };
+        let ways: Vec<Way> = self.knots.windows(2).map(way).collect();
+        if ways.iter().all(|w| *w == Way::Rises) {
+            return None;
+        }
+        let (mut parts, mut from) = (Vec::new(), 0);
+        for run in ways.chunk_by(|a, b| a == b) {
+            let to = from + run.len();
+            let inside = [from > 0, to < ways.len()].map(|inside| inside || self.closed);
+            let mut goes_on = [0, 1].map(|end| inside[end] || self.goes_on[end]);
+            let mut knots = self.knots[from..=to].to_vec();
+            if run[0] == Way::Falls {
+                knots.reverse();
+                goes_on.reverse();
+            }
+            if run[0] != Way::Leaps {
+                let part = Self { knots, closed: false, axis: self.axis, goes_on };
+                parts.push((part, run[0] == Way::Falls));
+            }
+            from = to;
+        }
+        Some(parts)
+    }
+
     /// u at both ends.
     pub(super) fn ends(&self) -> [f64; 2] {
         let u = |k: Option<&Knot>| k.map_or(0.0, |k| k.u);
@@ -285,6 +327,28 @@ mod tests {
         assert_eq!(spine.knots[0].at, knots[0].at);
         assert!(spine.knots.iter().any(|k| k.at.distance(Vec2::new(27.0, 0.2)) < 0.3));
         assert!(spine.knots[1..8].windows(2).all(|w| (w[0].at.y - w[1].at.y).abs() < 0.15));
+    }
+
+    #[test]
+    fn parts_rise_and_leaps_are_left_out() {
+        assert!(circle(20.0, 60).rising().is_none());
+        // u rises to 30, falls to 12, rises to 60, leaps back to 0 and rises.
+        let u = (0..=10).map(|i| 3.0 * i as f64).chain((1..=6).map(|i| 30.0 - 3.0 * i as f64));
+        let u = u.chain((1..=16).map(|i| 12.0 + 3.0 * i as f64)).chain((0..=5).map(|i| i as f64));
+        let knot = |(i, u)| Knot { at: Vec2::new(3.0 * i as f32, 0.0), u, depth: 0.0 };
+        let spine = Spine::new(u.enumerate().map(knot).collect(), false, Axis::default());
+        let parts = spine.rising().unwrap();
+        let ends: Vec<([f64; 2], bool)> = parts.iter().map(|p| (p.0.ends(), p.1)).collect();
+        let of = |a: f64, b: f64, turned: bool| ([a, b], turned);
+        let wanted = [
+            of(0.0, 30.0, false),
+            of(12.0, 30.0, true),
+            of(12.0, 60.0, false),
+            of(0.0, 5.0, false),
+        ];
+        assert_eq!(ends, wanted);
+        assert_eq!(parts[0].0.goes_on, [false, true]);
+        assert_eq!(parts[3].0.goes_on, [true, false]);
     }
 
     #[test]
