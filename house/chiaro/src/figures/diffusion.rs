@@ -2,9 +2,11 @@
 
 use super::Figure;
 use super::chapter4::{BLACK, Canvas, Colour, GREY, RED, shot};
+use super::chart::{Axis, Chart, Scale, Series};
 use super::strokes::dashed;
 use crate::lines::{Shot, picture};
 use chiaro_basis::{Result, Run};
+use chiaro_image::Plane;
 use chiaro_image::sheet::Sheet;
 use chiaro_ink::Polyline;
 use chiaro_lines::parameter::{Diffused, Diffuser};
@@ -27,8 +29,8 @@ pub(super) const FIGURES: [Figure; 3] = [
     Figure {
         name: "4.14",
         title: "variance",
-        message: "Along the longest line of a frame. Blue: the variance of what is diffused; red: how much \
-                  an even spread counts; green: what is diffused; black: what is made of it.",
+        message: "Along the longest line of a frame: what is diffused, its standard deviation, how much an even \
+                  spread counts, and u as it is made of them; each as a share of its range.",
         columns: 2,
         draw: variance,
     },
@@ -107,34 +109,42 @@ fn variance(sheet: &mut Sheet, run: &Run) -> Result<()> {
     for i in order.into_iter().take(2) {
         let (stroke, told) = &all[i];
         let u: Vec<f64> = stroke.u.iter().map(|u| u * stroke.pixels_per_u).collect();
-        let variance: Vec<f64> = told.iter().map(|d| d.variance.sqrt()).collect();
+        let deviation: Vec<f64> = told.iter().map(|d| d.variance.sqrt()).collect();
         let trust: Vec<f64> = told.iter().map(Diffused::trust).collect();
         let mean: Vec<f64> = told.iter().map(|d| d.mean).collect();
-        let mut canvas = Canvas::new((640, 420));
-        let own = range(&[&u]);
-        curve(&mut canvas, &mean, own, GREEN);
-        curve(&mut canvas, &u, own, BLACK);
-        curve(&mut canvas, &variance, range(&[&variance]), BLUE);
-        curve(&mut canvas, &trust, [0.0, 1.02], RED);
-        let worst = spread(told).sqrt();
-        sheet.add(canvas.done(), format!("frame {}: deviation up to {worst:.0} px", i + 1));
+        let (own, worst) = (range(&u), spread(told).sqrt());
+        let [low, high] = own;
+        let series = vec![
+            curve(stroke, &mean, own, (GREEN, "diffused".into())),
+            curve(stroke, &u, own, (BLACK, format!("made of it: {low:.0} to {high:.0} px"))),
+            curve(stroke, &deviation, [0.0, worst], (BLUE, format!("deviation: to {worst:.0} px"))),
+            curve(stroke, &trust, [0.0, 1.0], (RED, "weight of an even spread".into())),
+        ];
+        sheet.add(chart("share of its range", series), format!("frame {}", i + 1));
     }
     Ok(())
 }
 
-fn range(lists: &[&[f64]]) -> [f64; 2] {
-    let all = || lists.iter().flat_map(|l| l.iter().copied());
+fn range(values: &[f64]) -> [f64; 2] {
+    let all = || values.iter().copied();
     [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)]
 }
 
-fn curve(canvas: &mut Canvas, values: &[f64], [low, high]: [f64; 2], colour: Colour) {
-    let place = |(i, v): (usize, &f64)| {
-        let x = 20.0 + 600.0 * i as f64 / values.len().max(2) as f64;
-        let y = 400.0 - 380.0 * ((v - low) / (high - low).max(1e-9)).clamp(-0.04, 1.04);
-        [x as f32, y as f32]
-    };
-    let points = values.iter().enumerate().map(place).collect();
-    canvas.lines(&[Polyline { points, closed: false }], 1.6, colour);
+/// Values at the samples of a stroke, as shares of a range.
+fn curve(
+    stroke: &Stroke,
+    values: &[f64],
+    [low, high]: [f64; 2],
+    (colour, name): (Colour, String),
+) -> Series {
+    let share = |v: &f64| (v - low) / (high - low).max(1e-9);
+    let points = stroke.length.iter().zip(values).map(|(l, v)| [*l, share(v)]).collect();
+    Series { name, colour, points, joined: true }
+}
+
+fn chart(y: &'static str, series: Vec<Series>) -> Plane<[u8; 3]> {
+    let axis = |name| Axis { name, scale: Scale::Linear };
+    Chart { x: axis("along the line, pixels"), y: axis(y), series }.draw((640, 420))
 }
 
 fn event(sheet: &mut Sheet, run: &Run) -> Result<()> {
@@ -149,9 +159,9 @@ fn event(sheet: &mut Sheet, run: &Run) -> Result<()> {
     for i in shown {
         let stroke = &all[i].0;
         let folds = stroke.u.windows(2).filter(|u| u[1] <= u[0]).count();
-        let mut canvas = Canvas::new((640, 420));
-        curve(&mut canvas, &stroke.u, range(&[&stroke.u]), BLACK);
-        sheet.add(canvas.done(), format!("frame {}: u, {folds} folds", i + 1));
+        let u: Vec<f64> = stroke.u.iter().map(|u| u * stroke.pixels_per_u).collect();
+        let series = vec![curve(stroke, &u, [0.0, 1.0], (BLACK, "u".into()))];
+        sheet.add(chart("u, pixels", series), format!("frame {}: u, {folds} folds", i + 1));
     }
     for i in shown {
         let mut canvas = dashed(&shot.film.frames[i], SIZE);
