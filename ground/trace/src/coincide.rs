@@ -2,8 +2,10 @@
 //!
 //! Walls that overlap in their plane, decals without thickness and meshes that a file holds twice
 //! are crossed at distances that differ by rounding alone, so that the nearest of them changes from
-//! pixel to pixel. An eye sees the lowest (object, face) of those that lie within rounding of the
-//! nearest and share its plane. Rays that carry light need no such rule: they start off every one.
+//! pixel to pixel. Of those that lie within rounding of the nearest and share its plane, one that shines
+//! is met before one that does not, as a lamp flush with its ceiling is; else the lowest (object, face).
+//! Rays that carry light need no such rule, but for those that count the light that they meet: the
+//! others start off every one.
 
 use crate::tracer::{Hit, Ray, Search, Sides, Tracer, box_ray};
 use crate::triangle::Sheared;
@@ -18,12 +20,17 @@ const PARALLEL: f32 = 0.9999;
 const GRAZING: f32 = 0.02;
 
 impl Tracer<'_> {
-    /// What an eye sees along a ray: the nearest surface, the lowest (object, face) where several
-    /// coincide.
+    /// What an eye sees along a ray: [`met`](Self::met) from the sides that materials have.
     pub fn seen(&self, ray: &Ray) -> Option<Hit> {
+        self.met(ray, Sides::AsMaterials)
+    }
+
+    /// The nearest surface along a ray; where several coincide one that shines, the lowest (object,
+    /// face) of these.
+    pub fn met(&self, ray: &Ray, sides: Sides) -> Option<Hit> {
         let size = ray.origin.abs().max_element().max(self.size);
         let mut search = Search { room: WITHIN * size / GRAZING, ..Search::default() };
-        self.search(ray, Sides::AsMaterials, &mut search);
+        self.search(ray, sides, &mut search);
         let nearest = search.nearest?;
         let normal = self.face_normal(&nearest);
         let slack = WITHIN * size / normal.dot(ray.direction).abs().max(GRAZING);
@@ -36,11 +43,11 @@ impl Tracer<'_> {
             direction: ray.direction,
             t_max: nearest.t + slack - start,
         };
-        Some(Hit { t: nearest.t, ..self.lowest(&window, normal, nearest) })
+        Some(Hit { t: nearest.t, ..self.lowest(&window, sides, normal, nearest) })
     }
 
-    /// The lowest (object, face) in a plane with this normal along a short ray, if lower than `than`.
-    fn lowest(&self, ray: &Ray, normal: Vec3, than: Hit) -> Hit {
+    /// The first, by [`rank`](Self::rank), in a plane with this normal along a short ray, if before `than`.
+    fn lowest(&self, ray: &Ray, sides: Sides, normal: Vec3, than: Hit) -> Hit {
         let mut lowest = than;
         self.visit(ray, &mut |tracer, placed, local, reach| {
             let group = &tracer.hierarchy.groups[placed.group];
@@ -48,9 +55,9 @@ impl Tracer<'_> {
             group.tree.ray_traverse(box_ray(local), &mut RayHit::none(), |_, i| {
                 if let Some(crossing) = sheared.cross(&group.triangles[i], local.t_max) {
                     let hit = placed.hit(group.faces[i], crossing);
-                    if (hit.object, hit.face) < (lowest.object, lowest.face)
+                    if tracer.rank(&hit) < tracer.rank(&lowest)
                         && tracer.face_normal(&hit).dot(normal).abs() > PARALLEL
-                        && tracer.is_there(&hit, local, &group.triangles[i], Sides::AsMaterials)
+                        && tracer.is_there(&hit, local, &group.triangles[i], sides)
                     {
                         lowest = hit;
                     }
@@ -60,5 +67,9 @@ impl Tracer<'_> {
             reach
         });
         lowest
+    }
+
+    fn rank(&self, hit: &Hit) -> (bool, u32, u32) {
+        (!self.shines(hit), hit.object, hit.face)
     }
 }

@@ -292,7 +292,7 @@ impl PathTracer<'_> {
         if from.side.dot(direction) <= 0.0 || cosine <= 0.0 {
             return None;
         }
-        let Some(hit) = self.tracer.hit(&from.ray(direction, f32::INFINITY), Sides::Both) else {
+        let Some(hit) = self.tracer.met(&from.ray(direction, f32::INFINITY), Sides::Both) else {
             let sky = self.lights.sky.as_ref()?;
             let weight = self.lights.ray_weight_to_sky(direction, cosine);
             return Some(Step { light: sky.radiance(direction).map(|l| l * weight), vertex: None });

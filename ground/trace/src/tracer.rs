@@ -63,6 +63,7 @@ pub struct Tracer<'a> {
 #[derive(Clone, Copy)]
 struct SurfaceKind {
     double_sided: bool,
+    shines: bool,
     cutoff: Option<f32>,
 }
 
@@ -229,6 +230,10 @@ impl<'a> Tracer<'a> {
         self.surfaces[material.index()]
     }
 
+    pub(crate) fn shines(&self, hit: &Hit) -> bool {
+        self.surface(hit).shines
+    }
+
     fn is_opaque(&self, hit: &Hit) -> bool {
         let Some(cutoff) = self.surface(hit).cutoff else { return true };
         let mesh = self.mesh(hit);
@@ -293,7 +298,7 @@ impl SurfaceKind {
             Alpha::Mask(cutoff) => Some(cutoff),
             Alpha::Blend => Some(0.5),
         };
-        Self { double_sided: material.double_sided, cutoff }
+        Self { double_sided: material.double_sided, shines: material.shines(), cutoff }
     }
 }
 

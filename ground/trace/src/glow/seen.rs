@@ -10,6 +10,8 @@ use chiaro_image::colour::luminance;
 
 /// Triangles that are looked at for every place, at most.
 const FEW: usize = 16;
+/// Of the largest coordinate: places no farther from a triangle's plane lie in it, but for rounding.
+const FLUSH: f32 = 1e-6;
 /// Solid angles under which the points of a triangle are all as far, steradians.
 const SMALL: f32 = 1e-4;
 
@@ -43,6 +45,9 @@ impl Glow {
         }
         let direction = t.direction(from, [u, v]);
         let distance = (t.corners[0] - from).dot(t.normal) / direction.dot(t.normal);
+        if !(distance > 0.0 && distance.is_finite()) {
+            return None;
+        }
         let b = t.barycentric(from + direction * distance);
         let density = chosen / solid_angle * direction.dot(t.normal).abs() / (distance * distance);
         (density > 0.0 && density.is_finite()).then(|| t.at(index, b, density))
@@ -72,12 +77,14 @@ impl GlowTriangle {
         [second, third]
     }
 
-    /// Of the side that shines, from a place on a surface; 0 when all of it lies under that surface (Van Oosterom and
-    /// Strackee 1983).
+    /// Of the side that shines, from a place on a surface; 0 when all of it lies under that surface, or the
+    /// place in its plane (Van Oosterom and Strackee 1983).
     fn solid_angle(&self, from: Vec3, normal: Vec3) -> f32 {
         let [a, b, c] = self.corners.map(|p| p - from);
-        let faces = self.two_sided || a.dot(self.normal) < 0.0;
-        if !faces || [a, b, c].iter().all(|p| p.dot(normal) <= 0.0) {
+        let above = -a.dot(self.normal);
+        let above = if self.two_sided { above.abs() } else { above };
+        let rounding = FLUSH * self.corners[0].abs().max(from.abs()).max_element();
+        if above <= rounding || [a, b, c].iter().all(|p| p.dot(normal) <= 0.0) {
             return 0.0;
         }
         let (x, y, z) = (a.length(), b.length(), c.length());
@@ -167,6 +174,23 @@ mod tests {
             // Half of it shines three times as brightly.
             assert!((e / (2.0 * form_factor(h)) - 1.0).abs() < 0.01, "{h}: {e} {}", form_factor(h));
             assert!(most <= 2.0 * std::f32::consts::TAU * 2.0, "{h}: {most}");
+        }
+    }
+
+    #[test]
+    fn a_place_in_its_plane_sees_nothing_of_it() {
+        let two_sided = Glow::from_triangles(
+            panel(5.4).triangles.iter().map(|t| GlowTriangle { two_sided: true, ..*t }).collect(),
+        );
+        for glow in [panel(5.4), two_sided] {
+            for i in 0..1000 {
+                let [x, z] = [1, 2].map(|k| 3.0 * random::unit(k, i) - 1.5);
+                let y = 5.4 + 1e-6 * (random::unit(3, i) - 0.5);
+                for normal in [Vec3::Y, Vec3::NEG_Y, Vec3::X] {
+                    let numbers = [4, 5, 6].map(|k| random::unit(k, i));
+                    assert!(glow.point_seen(vec3(x, y, z), normal, numbers).is_none());
+                }
+            }
         }
     }
 

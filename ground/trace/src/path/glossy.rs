@@ -28,7 +28,7 @@ impl PathTracer<'_> {
         }
         let weight = gloss.value(towards).map(|v| v / density);
         let mut add = |light: [f32; 3]| (0..3).for_each(|i| sum[i] += weight[i] * light[i]);
-        let Some(hit) = self.tracer.hit(&at.ray(towards, f32::INFINITY), Sides::Both) else {
+        let Some(hit) = self.tracer.met(&at.ray(towards, f32::INFINITY), Sides::Both) else {
             if let Some(sky) = &self.lights.sky {
                 let own = density / (density + sky.density(towards));
                 add(sky.radiance(towards).map(|l| l * own));
