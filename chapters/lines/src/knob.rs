@@ -114,7 +114,7 @@ knobs! {
 
         method: Method = Method::Global, Choice(Method::WORDS), "", "", "how lines are parameterized";
         texture: Texture = Texture::Periodic, Choice(Texture::WORDS), "(4.10), (4.11)", "", "whether textures repeat or stretch";
-        coherence: f32 = 0.85, Number { min: 0.0, max: 1.0 }, "", "", "0: textures spread evenly, 1: they follow the surface";
+        coherence: f32 = 0.8, Number { min: 0.0, max: 1.0 }, "", "", "0: textures spread evenly, 1: they follow the surface";
         pattern_length: f32 = 24.0, Number { min: 1.0, max: 10000.0 }, "a", "px", "pixels a unit of u of repeated textures";
         sliding_limit: f32 = 8.0, Number { min: 0.5, max: 1000.0 }, "sigma", "px", "disagreement from which lines are kept apart";
         cuts: Cuts = Cuts::Charts, Choice(Cuts::WORDS), "(4.7)", "", "how lines that merge and split are kept apart";
