@@ -145,6 +145,43 @@ impl Costs<'_> {
         }
     }
 
+    /// The capacities of a pixel's links among sixteen, by [`LINK_STEPS`].
+    fn links(&self, p: Pixel) -> [i32; 8] {
+        self.links_inside(p).unwrap_or_else(|| std::array::from_fn(|link| self.link(p, link)))
+    }
+
+    /// The same where all that they depend on are nodes, without looking again for each.
+    fn links_inside(&self, (x, y): Pixel) -> Option<[i32; 8]> {
+        let (w, h) = self.mask.size();
+        if x < 2 || x + 2 >= w || y + 2 >= h {
+            return None;
+        }
+        let rows: [&[bool]; 3] = std::array::from_fn(|j| &self.mask.row(y + j)[x - 2..x + 3]);
+        if !rows[0][1..4].iter().chain(rows[1]).chain(&rows[2][1..4]).all(|node| *node) {
+            return None;
+        }
+        let (here, below) = (self.neighbour.row(y), self.neighbour.row(y + 1));
+        let [east, south_east, south, south_west] = here[x];
+        let straight = |capacity: i32| capacity as f32;
+        let diagonal = |capacity: i32| SQRT_2 * capacity as f32;
+        let way =
+            |a: f32, b: f32, c: f32, d: f32| (f32::max(a.min(b), c.min(d)) * KNIGHT).round() as i32;
+        let share = |capacity: i32, share: f32| (capacity as f32 * share).round() as i32;
+        let (se, sw) = (diagonal(south_east), diagonal(south_west));
+        let (s, after_s) = (straight(south), below[x]);
+        let (after_se, after_sw, after_w) = (below[x + 1], below[x - 1], here[x - 1]);
+        Some([
+            share(east, STRAIGHT),
+            share(south_east, DIAGONAL),
+            share(south, STRAIGHT),
+            share(south_west, DIAGONAL),
+            way(straight(east), diagonal(here[x + 1][1]), se, straight(after_se[0])),
+            way(s, diagonal(after_s[1]), se, straight(after_se[2])),
+            way(s, diagonal(after_s[3]), sw, straight(after_sw[2])),
+            way(straight(after_w[0]), diagonal(after_w[3]), sw, straight(below[x - 2][0])),
+        ])
+    }
+
     /// How strong the stronger of the two ways of a knight's move is, as a straight link: a way of a
     /// straight step and a diagonal one is as strong as the weaker.
     fn passage(&self, p: Pixel, [straight, diagonal]: [(isize, isize); 2]) -> f32 {
@@ -233,7 +270,7 @@ impl<'a> Swap<'a> {
         swap.free = swap.each().map(|(p, _)| free(p)).collect();
         let pixels: Vec<(Pixel, usize)> = swap.each().filter(|(_, i)| swap.free[*i]).collect();
         for (p, i) in pixels {
-            swap.links[i] = std::array::from_fn(|link| costs.link(p, link));
+            swap.links[i] = costs.links(p);
             swap.terminal[i] = swap.prices(p, swap.links[i], labels);
         }
         Some(swap)
@@ -242,7 +279,7 @@ impl<'a> Swap<'a> {
     /// The pixels of the box with their places in it.
     fn each(&self) -> impl Iterator<Item = (Pixel, usize)> + use<> {
         let (first, (w, h)) = (self.first, self.size);
-        (0..w * h).map(move |i| ((first.0 + i % w, first.1 + i / w), i))
+        (0..h).flat_map(move |j| (0..w).map(move |i| ((first.0 + i, first.1 + j), j * w + i)))
     }
 
     fn is_free(&self, p: Pixel) -> bool {
@@ -272,7 +309,10 @@ impl<'a> Swap<'a> {
     /// Which pixels of the box take the second label.
     fn solve(&self) -> Result<Vec<bool>> {
         let apart = self.costs.apart(self.pair[0], self.pair[1]);
-        let links: Vec<[i32; 8]> = self.links.iter().map(|l| l.map(|c| c * apart)).collect();
+        let links = match apart {
+            1 => Cow::Borrowed(&self.links),
+            _ => Cow::Owned(self.links.iter().map(|l| l.map(|c| c * apart)).collect()),
+        };
         let lattice = Lattice {
             width: self.size.0,
             height: self.size.1,
@@ -292,6 +332,27 @@ impl<'a> Swap<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn links_are_the_same_found_one_by_one_or_together() {
+        let (w, h) = (17, 13);
+        let noise = |s: u64, x: usize, y: usize| chiaro_basis::random::unit(s, (y * w + x) as u64);
+        let mask = Plane::from_fn(w, h, |x, y| noise(1, x, y) > 0.04);
+        let neighbour = Plane::from_fn(w, h, |x, y| {
+            std::array::from_fn(|e| (9000.0 * noise(2 + e as u64, x, y)) as i32)
+        });
+        let prices = vec![0; 2 * w * h];
+        let costs =
+            Costs { mask: &mask, count: 2, prices: &prices, neighbour: &neighbour, by_step: false };
+        let nodes = (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).filter(|p| mask[*p]);
+        let mut inside = 0;
+        for p in nodes {
+            let Some(links) = costs.links_inside(p) else { continue };
+            assert_eq!(links, std::array::from_fn(|link| costs.link(p, link)), "{p:?}");
+            inside += 1;
+        }
+        assert!(inside > 20, "{inside}");
+    }
     use crate::cut::Graph;
 
     /// A picture of even bonds, by the wish for white of each pixel.

@@ -150,6 +150,26 @@ impl Lattice<'_> {
         (self.mask[pixel] && self.mask[end]).then_some(end)
     }
 
+    /// The links of a pixel that have a capacity and lead to a node.
+    pub(crate) fn each_link(&self, pixel: usize, mut visit: impl FnMut(usize, [i32; 2])) {
+        let (row, x) = (pixel / self.width, pixel % self.width);
+        let y = row % self.height;
+        for (link, &(dx, dy)) in self.neighbours.steps().iter().enumerate() {
+            let (u, v) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
+            if u < self.width && v < self.height {
+                let end = pixel.wrapping_add_signed(dy * self.width as isize + dx);
+                let capacity = self.neighbours.at(pixel, link);
+                if capacity != [0; 2] && self.mask[pixel] && self.mask[end] {
+                    visit(link, capacity);
+                }
+            }
+        }
+        if self.time_end(pixel).is_some() {
+            let link = self.neighbours.steps().len();
+            visit(link, self.capacity(pixel, link));
+        }
+    }
+
     fn time_end(&self, pixel: usize) -> Option<usize> {
         let link = (*self.time.get(pixel)?)?;
         let frame = self.width * self.height;
@@ -193,15 +213,23 @@ impl Lattice<'_> {
     }
 
     fn check_pixel(&self, pixel: usize) -> Result<(), GridError> {
-        let (x, y) = (pixel % self.width, pixel / self.width);
+        let place = || (pixel % self.width, pixel / self.width);
         if let Some(&got) = self.terminal[pixel].iter().find(|&&c| c < 0) {
+            let (x, y) = place();
             return Err(GridError::Negative { x, y, got });
         }
         for link in 0..self.links() {
-            self.capacity(pixel, link).into_iter().try_for_each(|c| check_link(x, y, c))?;
+            let capacity = self.capacity(pixel, link);
+            if capacity.iter().any(|c| !(0..=MAX_NEIGHBOUR).contains(c)) {
+                let (x, y) = place();
+                capacity.into_iter().try_for_each(|c| check_link(x, y, c))?;
+            }
         }
         match self.time.get(pixel).copied().flatten() {
-            Some(link) if y < self.height || link.to as usize >= self.width * self.height => {
+            Some(link)
+                if place().1 < self.height || link.to as usize >= self.width * self.height =>
+            {
+                let (x, y) = place();
                 Err(GridError::TimeLink { x, y, to: link.to })
             }
             _ => Ok(()),

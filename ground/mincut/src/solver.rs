@@ -10,13 +10,16 @@
 
 use crate::capacity::Capacity;
 use crate::grid::{Grid, GridError};
-use crate::lattice::{Lattice, Links, Neighbours, check_link, neighbour};
+use crate::lattice::{LINK_STEPS, Lattice, Links, Neighbours, check_link, neighbour};
 use crate::planes::bounded;
 use crate::repair::Mutable;
 use crate::residual::Residual;
 use crate::search::Search;
 use crate::solved;
 use crate::stencil::Stencil;
+
+/// Links of a pixel at most: half of sixteen, and one in time.
+const MOST_LINKS: usize = LINK_STEPS.len() + 1;
 
 /// A solved lattice whose capacities can be changed.
 pub struct Solver {
@@ -101,14 +104,19 @@ impl Solver {
             let [direct, difference] = self.stated(pixel);
             self.count(direct, difference);
             self.engine.change_excess(pixel, difference);
-            for link in 0..self.links {
-                let capacity = lattice.capacity(pixel, link);
-                if capacity != [0; 2] && lattice.end(pixel, link).is_some() {
-                    self.change_link(pixel, link, capacity);
-                    match flow(pixel, link) {
-                        0 => {}
-                        flow => self.engine.send(pixel, link, flow),
-                    }
+            let mut present = [(0, [0; 2]); MOST_LINKS];
+            let mut count = 0;
+            lattice.each_link(pixel, |link, capacity| {
+                present[count] = (link, capacity);
+                count += 1;
+            });
+            let present = &present[..count];
+            self.engine.take_up(pixel, present);
+            for &(link, [forth, back]) in present {
+                self.lean(pixel * self.links + link, forth - back);
+                match flow(pixel, link) {
+                    0 => {}
+                    flow => self.engine.send(pixel, link, flow),
                 }
             }
         }
@@ -246,14 +254,18 @@ impl Solver {
 
     fn change_link(&mut self, pixel: usize, link: usize, new: [i32; 2]) {
         let at = pixel * self.links + link;
-        let new_skew = new[0] - new[1];
-        if self.skew.is_empty() && new_skew != 0 {
-            self.skew.resize(self.mask.len() * self.links, 0);
-        }
         let old_skew = self.skew.get(at).map_or(0, |&skew| i64::from(skew));
         self.engine.change_link(pixel, link, old_skew, new.map(i64::from));
-        if let Some(skew) = self.skew.get_mut(at) {
-            *skew = new_skew;
+        self.lean(at, new[0] - new[1]);
+    }
+
+    /// Notes how much more a link carries forth than back.
+    fn lean(&mut self, at: usize, skew: i32) {
+        if self.skew.is_empty() && skew != 0 {
+            self.skew.resize(self.mask.len() * self.links, 0);
+        }
+        if let Some(old) = self.skew.get_mut(at) {
+            *old = skew;
         }
     }
 }
@@ -298,6 +310,8 @@ trait Engine: Send {
     fn bound(&self) -> i64;
     /// Adds to the excess of a pixel.
     fn change_excess(&mut self, pixel: usize, amount: i64);
+    /// Gives a pixel the capacities of its own links, of a network that had none.
+    fn take_up(&mut self, pixel: usize, links: &[(usize, [i32; 2])]);
     /// Gives new capacities to a link that carries `skew` more forth than back.
     fn change_link(&mut self, pixel: usize, link: usize, skew: i64, new: [i64; 2]);
     /// Sends flow over a link, as much of it as the link carries.
@@ -337,6 +351,15 @@ impl<N: Mutable> Engine for Warm<N> {
         let v = self.search.network.node(pixel);
         self.search.change_excess(v, amount);
         self.touched.push(v as u32);
+    }
+
+    fn take_up(&mut self, pixel: usize, links: &[(usize, [i32; 2])]) {
+        let network = &mut self.search.network;
+        let v = network.node(pixel);
+        for &(link, capacity) in links {
+            let arc = network.arc(v, link).expect("the caller checked the link");
+            network.set_residuals(v, arc, capacity.map(i64::from));
+        }
     }
 
     fn change_link(&mut self, pixel: usize, link: usize, skew: i64, new: [i64; 2]) {
