@@ -31,7 +31,7 @@ const USUAL_COHERENCE: f32 = 0.3;
 const GAIN: f32 = 0.25;
 const LONGEST_STEP: f32 = 1.25;
 const SLOWEST: f32 = 0.8;
-const FASTEST: f32 = 4.0;
+const FASTEST: f32 = 2.0;
 
 /// What the links of a frame are worth.
 #[derive(Clone, Copy)]
