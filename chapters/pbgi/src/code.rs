@@ -11,7 +11,7 @@
 //! 4. *Stages*: the nearest of a table's words; the nearest of a second table's words to what is
 //!    left; and so on. Tables come from k-means on the nodes of a sparse tree. One stage without the rest is
 //!    the thesis's look-up table; several are residual vector quantization. Words without gains are
-//!    learned from darker copies of nodes too ([`dimmed`](crate::dimmed)).
+//!    learned from darker copies of nodes too (`dimmed.rs`).
 //!
 //! Light and area have tables of their own. Black is coded without error. Of the area over the node's area
 //! only what its mean normal does not tell ([`harmonic::expected`]) is coded: it is nothing where the
