@@ -188,7 +188,7 @@ pub fn reflection(
         let eye = buffer.to_eye(position);
         let direction = (normal * (2.0 * normal.dot(eye)) - eye).normalize_or(normal);
         let side = Vec3::from(buffer.geometric_normal[(x, y)]);
-        let origin = position + side * (1e-4 * buffer.radius);
+        let origin = position + side * tracer.offset();
         let ray = Ray { origin, direction, t_max: f32::INFINITY };
         match tracer.hit(&ray, Sides::Both) {
             Some(hit) => {

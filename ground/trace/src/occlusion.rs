@@ -94,7 +94,7 @@ impl Caster<'_> {
         let normal = Vec3::from(buffer.normal[pixel]);
         let side = Vec3::from(buffer.geometric_normal[pixel]);
         let facet = Facet::of(self.tracer, buffer, pixel);
-        let origin = lifted(&facet, buffer, pixel) + side * (1e-4 * buffer.radius);
+        let origin = lifted(&facet, buffer, pixel) + side * self.tracer.offset();
         let horizon = facet.deviation();
         let (right, up) = normal.any_orthonormal_pair();
         let (mut open, mut all) = (0usize, 0usize);

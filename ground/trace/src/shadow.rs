@@ -180,7 +180,7 @@ fn in_shadow(tracer: &Tracer, buffer: &GBuffer, pixel: (usize, usize), arrival: 
         return true;
     }
     let lift = lifted(&Facet::of(tracer, buffer, pixel), buffer, pixel);
-    let start = lift + smooth * (1e-4 * buffer.radius);
+    let start = lift + smooth * tracer.offset();
     if !arrival.from_surface {
         let reach = arrival.distance * (1.0 - 1e-4);
         return tracer.occluded(&Ray { origin: start, direction: arrival.towards, t_max: reach });

@@ -76,9 +76,10 @@ impl<'a> Tracer<'a> {
     /// Rays into a frame over which the hierarchy stands already.
     pub fn with(scene: &'a Scene, frame: &'a Frame, hierarchy: Arc<Hierarchy>) -> Self {
         let surfaces = scene.materials.iter().map(SurfaceKind::of).collect();
-        let offset = (1e-4 * frame.bounds().radius()).max(disc_offset(scene, frame));
         let bounds = frame.bounds();
         let size = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let offset =
+            (1e-4 * bounds.radius()).max(disc_offset(scene, frame)).max(FAR_ROUNDING * size);
         Self { scene, frame, hierarchy, surfaces, offset, size }
     }
 
@@ -94,7 +95,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// How far off a surface rays start, scene units: a ten-thousandth of the scene's radius, more
-    /// where points are drawn as discs.
+    /// where points are drawn as discs, and where coordinates far from the origin are coarser.
     pub fn offset(&self) -> f32 {
         self.offset
     }
@@ -302,6 +303,8 @@ impl SurfaceKind {
     }
 }
 
+/// Of the largest coordinate: some roundings of it.
+const FAR_ROUNDING: f32 = 5e-7;
 /// How far behind a ray's start box tests begin, in multiples of its direction.
 const BEHIND: f32 = 2e-4;
 

@@ -274,3 +274,30 @@ fn of_surfaces_that_coincide_the_first_is_seen_everywhere() {
     }
     assert!(nearest < first, "rounding alone would have chosen the first too: no test");
 }
+
+#[test]
+fn far_from_the_origin_rays_leave_the_surface_that_they_start_on() {
+    for far in [0.0, 1e3, 1e4, 1e5] {
+        let scene = scene(tilted(-1.0, 1.0), &[place([far, far, -far], 0.0, [1.0; 3])]);
+        let frame = Poser::new(&scene).frame(0.0, &Playback::still());
+        let tracer = Tracer::new(&scene, &frame);
+        assert!(tracer.offset() < 0.1);
+        let normal = vec3(-0.3, -0.7, 1.0).normalize();
+        let middle = DVec3::new(far, far, -far).as_vec3();
+        let eye = middle + vec3(0.1, 0.2, 6.0);
+        for k in 0..2000 {
+            let [x, y] = [1, 2].map(|d| 1.6 * random::unit(d, k) - 0.8);
+            let aim = middle + vec3(x, y, 0.3 * x + 0.7 * y);
+            let direction = (aim - eye).normalize();
+            let ray = Ray { origin: eye, direction, t_max: f32::INFINITY };
+            let Some(hit) = tracer.hit(&ray, Sides::Both) else { continue };
+            let [b, c] = hit.b;
+            let [p, q, r] = tracer.corners(hit.object, hit.face);
+            let met = p * (1.0 - b - c) + q * b + r * c;
+            let above = normal + 0.9 * normal.any_orthonormal_vector();
+            let origin = met + normal * tracer.offset();
+            let away = Ray { origin, direction: above.normalize(), t_max: f32::INFINITY };
+            assert!(!tracer.occluded(&away), "{far}: {met}");
+        }
+    }
+}
