@@ -5,6 +5,8 @@
 //! 2. Small lamps, and the pieces of each, are dealt to the 16 pixels of a 4 x 4 tile, the sky's to the 64
 //!    of an 8 x 8 one; then every pixel takes the mean of the window of that size around it,
 //!    which holds the whole set once.
+//!    What shines in few triangles gives, where nothing stands between, what it does in closed form
+//!    ([`Glow`](crate::Glow)); its small lamps tell how much of that arrives (Heitz et al. 2018).
 //! 3. Where the window does not lie on one smooth surface, the pixel visits the set by itself. The sky's
 //!    may stand a little aside, and is the smaller one, with a quarter of the set, where a surface bends.
 //!
@@ -17,7 +19,7 @@ use crate::light::Lamp;
 use crate::lights::{Lights, lamp_at};
 use crate::sample::Sequence;
 use crate::sky::Sky;
-use crate::tracer::Tracer;
+use crate::tracer::{Ray, Tracer};
 use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
@@ -63,7 +65,7 @@ impl Fixed {
     }
 
     /// From what shines and from suns, by the share of them that falls to a pixel of a tile.
-    fn dealt(&self, tracer: &Tracer, at: &Vertex, place: usize) -> [f32; 3] {
+    fn dealt(&self, tracer: &Tracer, at: &Vertex, place: usize) -> Soft {
         let far = self.glow.iter().skip(place).step_by(DEAL);
         let far = far.map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
         let near = self.glow.iter().flat_map(|c| {
@@ -71,12 +73,13 @@ impl Fixed {
             let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };
             pieces.iter().skip(place).step_by(DEAL).map(move |l| (*l, share))
         });
-        let suns = self.suns.iter().skip(place).step_by(DEAL).map(|l| (*l, 1.0));
-        sum(tracer, at, far.chain(near).chain(suns)).map(|e| e * DEAL as f32)
+        let suns = self.suns.iter().skip(place).step_by(DEAL).map(|l| (*l, DEAL as f32));
+        let glow = far.chain(near).map(|(l, share)| (l, DEAL as f32 * share));
+        Soft::of(tracer, at, glow, suns)
     }
 
     /// The same by a pixel that stands alone.
-    fn alone(&self, tracer: &Tracer, at: &Vertex) -> [f32; 3] {
+    fn alone(&self, tracer: &Tracer, at: &Vertex) -> Soft {
         // All clusters: one may be the only lamp of its room.
         let far =
             self.glow.iter().map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
@@ -87,8 +90,61 @@ impl Fixed {
             pieces.iter().step_by(ALONE).map(move |l| (*l, many * share))
         });
         let suns = self.suns.iter().map(|l| (*l, 1.0));
-        sum(tracer, at, far.chain(near).chain(suns))
+        Soft::of(tracer, at, far.chain(near), suns)
     }
+}
+
+/// Irradiance from what shines and from suns.
+#[derive(Clone, Copy, Default)]
+struct Soft {
+    /// From what shines.
+    glow: [f32; 3],
+    /// The same if nothing stood between.
+    open: [f32; 3],
+    suns: [f32; 3],
+}
+
+impl Soft {
+    fn of(
+        tracer: &Tracer,
+        at: &Vertex,
+        glow: impl Iterator<Item = (Lamp, f32)>,
+        suns: impl Iterator<Item = (Lamp, f32)>,
+    ) -> Self {
+        let mut soft = Self { suns: sum(tracer, at, suns), ..Self::default() };
+        for (e, share, ray) in arrivals(at, glow) {
+            let e = e.map(|e| share * e);
+            soft.open = plus(soft.open, e);
+            if !tracer.occluded(&ray) {
+                soft.glow = plus(soft.glow, e);
+            }
+        }
+        soft
+    }
+
+    /// All of it, where what shines would give `open` in closed form.
+    fn whole(&self, open: Option<[f32; 3]>) -> [f32; 3] {
+        let glow = match open {
+            Some(open) => std::array::from_fn(|i| match self.open[i] {
+                all if all > 0.0 => open[i] * (self.glow[i] / all),
+                _ => 0.0,
+            }),
+            None => self.glow,
+        };
+        plus(glow, self.suns)
+    }
+
+    fn mean(pixels: &[Pixel], of: impl Fn(Pixel) -> Self) -> Self {
+        Self {
+            glow: mean(pixels, |at| of(at).glow),
+            open: mean(pixels, |at| of(at).open),
+            suns: mean(pixels, |at| of(at).suns),
+        }
+    }
+}
+
+fn plus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| a[i] + b[i])
 }
 
 /// Small lamps in the place of a sky: those of its suns, and the others, which are black where a sun was
@@ -157,10 +213,12 @@ pub fn direct_irradiance(
             return [0.0; 3];
         }
         let small = window(buffer, (x, y), [0; 2], TILE, FLAT);
+        let at = Vertex::of_pixel(tracer, buffer, (x, y));
         let soft = match &small {
-            Some(pixels) => mean(pixels, |at| raw[at].soft),
-            None => fixed.alone(tracer, &Vertex::of_pixel(tracer, buffer, (x, y))),
+            Some(pixels) => Soft::mean(pixels, |at| raw[at].soft),
+            None => fixed.alone(tracer, &at),
         };
+        let soft = soft.whole(lights.glow.open_irradiance(at.position, at.normal));
         if fixed.sky.is_empty() {
             return soft;
         }
@@ -169,10 +227,10 @@ pub fn direct_irradiance(
             None => {
                 let some = fixed.sky.iter().take(SKY_DEAL * SKY_SHARE / SKY_ALONE);
                 let some = some.map(|l| (*l, SKY_ALONE as f32));
-                sum(tracer, &Vertex::of_pixel(tracer, buffer, (x, y)), some)
+                sum(tracer, &at, some)
             }
         };
-        std::array::from_fn(|i| soft[i] + sky[i])
+        plus(soft, sky)
     });
     run.check()?;
     Ok(Direct { hard: raw.map(|r| r.hard), soft })
@@ -182,7 +240,7 @@ pub fn direct_irradiance(
 #[derive(Clone, Copy, Default)]
 struct Raw {
     hard: [f32; 3],
-    soft: [f32; 3],
+    soft: Soft,
     sky: [f32; 3],
 }
 
@@ -204,11 +262,19 @@ pub fn lamp_irradiance(tracer: &Tracer, at: &Vertex, lamps: &[Lamp]) -> [f32; 3]
 }
 
 fn sum(tracer: &Tracer, at: &Vertex, lamps: impl Iterator<Item = (Lamp, f32)>) -> [f32; 3] {
+    arrivals(at, lamps)
+        .filter(|(_, _, ray)| !tracer.occluded(ray))
+        .fold([0.0; 3], |s, (e, share, _)| std::array::from_fn(|i| s[i] + share * e[i]))
+}
+
+/// What lamps would give, each times its share, and the rays that ask whether they do.
+fn arrivals(
+    at: &Vertex,
+    lamps: impl Iterator<Item = (Lamp, f32)>,
+) -> impl Iterator<Item = ([f32; 3], f32, Ray)> {
     lamps
         .filter(|(l, share)| share * l.strength > 0.0)
         .filter_map(|(l, share)| lamp_at(&l, at).map(|(e, ray)| (e, share, ray)))
-        .filter(|(_, _, ray)| !tracer.occluded(ray))
-        .fold([0.0; 3], |s, (e, share, _)| std::array::from_fn(|i| s[i] + share * e[i]))
 }
 
 fn mean(pixels: &[Pixel], of: impl Fn(Pixel) -> [f32; 3]) -> [f32; 3] {

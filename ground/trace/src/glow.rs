@@ -9,6 +9,7 @@
 //!
 //! Single-sided materials shine from their front alone, double-sided ones from both sides.
 
+mod lambert;
 mod seen;
 
 use crate::light::{Lamp, Patch};

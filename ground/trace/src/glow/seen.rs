@@ -77,14 +77,18 @@ impl GlowTriangle {
         [second, third]
     }
 
+    /// Whether a place lies on a side that shines, and not in its plane.
+    pub(super) fn is_above(&self, from: Vec3) -> bool {
+        let above = (from - self.corners[0]).dot(self.normal);
+        let above = if self.two_sided { above.abs() } else { above };
+        above > FLUSH * self.corners[0].abs().max(from.abs()).max_element()
+    }
+
     /// Of the side that shines, from a place on a surface; 0 when all of it lies under that surface, or the
     /// place in its plane (Van Oosterom and Strackee 1983).
     fn solid_angle(&self, from: Vec3, normal: Vec3) -> f32 {
         let [a, b, c] = self.corners.map(|p| p - from);
-        let above = -a.dot(self.normal);
-        let above = if self.two_sided { above.abs() } else { above };
-        let rounding = FLUSH * self.corners[0].abs().max(from.abs()).max_element();
-        if above <= rounding || [a, b, c].iter().all(|p| p.dot(normal) <= 0.0) {
+        if !self.is_above(from) || [a, b, c].iter().all(|p| p.dot(normal) <= 0.0) {
             return 0.0;
         }
         let (x, y, z) = (a.length(), b.length(), c.length());
