@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 /// The share of the cap at which pages are given back.
 const FULL: f64 = 0.8;
 /// Places of a map that are read between two looks at the memory that is held.
-pub(crate) const TOUCHES: u32 = 1024;
+pub(crate) const TOUCHES: u32 = 256;
 /// Bytes of a surfel that is lit in full, with its place in the sparse tree and in grids; bytes of a
 /// surfel of a batch on its way into the tree; bytes of one in a coded tree: measured, rounded up.
 const SPARSE_BYTES: u64 = 420;
@@ -74,6 +74,8 @@ impl Cap {
     /// Whether the surfels and the tree of a frame fit. `in_file`: the tree is mapped; `there`: it
     /// need not be made.
     pub(crate) fn check(&self, knobs: &LightKnobs, in_file: bool, there: bool) -> Result<()> {
+        // Pages of a map can go whenever they must.
+        self.state.give_back();
         let held = resident_bytes();
         let surfels = u64::from(knobs.surfels);
         let sparse = u64::from(knobs.kept_surfels()) * SPARSE_BYTES;
@@ -187,5 +189,8 @@ mod tests {
             cap.relieve();
             assert_eq!(cap.given_back(), round);
         }
+        assert!(map[..] == bytes[..]);
+        assert!(cap.check(&LightKnobs::default(), true, true).is_err());
+        assert_eq!(cap.given_back(), 4, "pages of the map counted as held");
     }
 }
