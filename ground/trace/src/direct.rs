@@ -5,8 +5,8 @@
 //! 2. Small lamps, and the pieces of each, are dealt to the 16 pixels of a 4 x 4 tile, the sky's to the 64
 //!    of an 8 x 8 one; then every pixel takes the mean of the window of that size around it,
 //!    which holds the whole set once.
-//!    What shines in few triangles gives, where nothing stands between, what it does in closed form
-//!    ([`Glow`](crate::Glow)); its small lamps tell how much of that arrives (Heitz et al. 2018).
+//!    Few shining triangles give, where nothing stands between, what they do in closed form; their
+//!    small lamps tell how much of that arrives (Heitz et al. 2018).
 //! 3. Where the window does not lie on one smooth surface, the pixel visits the set by itself. The sky's
 //!    may stand a little aside, and is the smaller one, with a quarter of the set, where a surface bends.
 //!
@@ -264,7 +264,7 @@ pub fn lamp_irradiance(tracer: &Tracer, at: &Vertex, lamps: &[Lamp]) -> [f32; 3]
 fn sum(tracer: &Tracer, at: &Vertex, lamps: impl Iterator<Item = (Lamp, f32)>) -> [f32; 3] {
     arrivals(at, lamps)
         .filter(|(_, _, ray)| !tracer.occluded(ray))
-        .fold([0.0; 3], |s, (e, share, _)| std::array::from_fn(|i| s[i] + share * e[i]))
+        .fold([0.0; 3], |s, (e, share, _)| plus(s, e.map(|e| share * e)))
 }
 
 /// What lamps would give, each times its share, and the rays that ask whether they do.

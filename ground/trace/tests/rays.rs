@@ -227,21 +227,33 @@ fn tilted(x0: f32, x1: f32) -> Mesh {
     }
 }
 
+/// A tilted sheet, and after it in the same plane a second one that overlaps it.
+fn overlapping() -> Scene {
+    let mut scene = scene(tilted(-1.0, 0.4), &[place([0.0; 3], 0.0, [1.0; 3])]);
+    scene.meshes.push(tilted(-0.37, 1.13));
+    scene.nodes.push(Node { mesh: Some(MeshId::new(1)), ..Node::default() });
+    scene
+}
+
+/// A ray to a point of their plane, and that point.
+fn onto(across: f32, along: f32) -> (Ray, Vec3) {
+    let aim = vec3(across, along, 0.3 * across + 0.7 * along);
+    let origin = vec3(0.2, 0.1, 4.0);
+    (Ray { origin, direction: (aim - origin).normalize(), t_max: f32::INFINITY }, aim)
+}
+
 #[test]
 fn a_lamp_flush_with_a_ceiling_is_seen_and_met() {
-    let mut scene = scene(tilted(-1.0, 0.4), &[place([0.0; 3], 0.0, [1.0; 3])]);
+    let mut scene = overlapping();
     scene.materials.push(Material { emissive: [1.0; 3], ..scene.materials[0].clone() });
     let lamp = MaterialId::new(scene.materials.len() - 1);
-    scene.meshes.push(Mesh { materials: vec![lamp; 2], ..tilted(-0.37, 1.13) });
-    scene.nodes.push(Node { mesh: Some(MeshId::new(1)), ..Node::default() });
+    scene.meshes[1].materials = vec![lamp; 2];
     let frame = Poser::new(&scene).frame(0.0, &Playback::still());
     let tracer = Tracer::new(&scene, &frame);
     for k in 0..2000 {
         let across = 0.74 * random::unit(8, 2 * k) - 0.36;
         let along = 1.8 * random::unit(8, 2 * k + 1) - 0.9;
-        let aim = vec3(across, along, 0.3 * across + 0.7 * along);
-        let origin = vec3(0.2, 0.1, 4.0);
-        let ray = Ray { origin, direction: (aim - origin).normalize(), t_max: f32::INFINITY };
+        let (ray, _) = onto(across, along);
         assert_eq!(tracer.seen(&ray).map(|h| h.object), Some(1), "at {across} {along}");
         assert_eq!(tracer.met(&ray, Sides::Both).map(|h| h.object), Some(1));
     }
@@ -249,18 +261,14 @@ fn a_lamp_flush_with_a_ceiling_is_seen_and_met() {
 
 #[test]
 fn of_surfaces_that_coincide_the_first_is_seen_everywhere() {
-    let mut scene = scene(tilted(-1.0, 0.4), &[place([0.0; 3], 0.0, [1.0; 3])]);
-    scene.meshes.push(tilted(-0.37, 1.13));
-    scene.nodes.push(Node { mesh: Some(MeshId::new(1)), ..Node::default() });
+    let scene = overlapping();
     let frame = Poser::new(&scene).frame(0.0, &Playback::still());
     let tracer = Tracer::new(&scene, &frame);
     let (mut first, mut nearest) = (0, 0);
     for k in 0..4000 {
         let across = 1.5 * random::unit(7, 2 * k) - 0.37;
         let along = 1.8 * random::unit(7, 2 * k + 1) - 0.9;
-        let aim = vec3(across, along, 0.3 * across + 0.7 * along);
-        let origin = vec3(0.2, 0.1, 4.0);
-        let ray = Ray { origin, direction: (aim - origin).normalize(), t_max: f32::INFINITY };
+        let (ray, aim) = onto(across, along);
         let seen = tracer.seen(&ray).expect("it hits");
         if (-0.36..0.39).contains(&across) {
             assert_eq!(seen.object, 0, "at {across} {along}");
