@@ -83,7 +83,7 @@ knobs! {
         max_error: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "6.7", "share", "a compact tree by the smallest book whose error of nodes it has not seen is at most this; 0: the default code";
         book: Teaching = Teaching::Film, Choice(Teaching::WORDS), "6.5.1", "", "film: one book for all frames of a compact tree; frame: one a frame, which may flicker";
         bounces: u32 = 3, Count { min: 0, max: 64 }, "", "", "times that light is reflected before it reaches what is seen; 0: direct light alone";
-        solid_angle: f32 = 2.0, Number { min: 0.05, max: 64.0 }, "sigma (6.3.2)", "texels", "a node whose sphere looks smaller than this is not opened";
+        solid_angle: f32 = 0.7, Number { min: 0.05, max: 64.0 }, "sigma (6.3.2)", "texels", "a node whose sphere looks smaller than this is not opened";
         resolution: u32 = 10, Count { min: 2, max: 64 }, "", "texels", "texels along a side of the cube buffer";
         error_bound: f32 = 0.1, Number { min: 0.0, max: 1.0 }, "", "share", "error allowed by sharing gathers; 0: every pixel gathers by itself";
         sharing: Sharing = Sharing::Tiles, Choice(Sharing::WORDS), "", "", "tiles: a buffer for each tile of the picture, and near rays; records: few pixels look by rays, those between follow their gradients (quick, for smooth interiors)";

@@ -60,9 +60,10 @@ const BUSY: Manner =
 const BUSY_LATTICE: usize = 1;
 /// Pixels along a tile's side.
 const TILE: usize = CALM.side;
-/// The least D, in distances at which a surfel's disc looks as large as the square root of the
-/// threshold.
+/// The least D, in distances at which a surfel's disc looks as large as the square root of so many texels. The
+/// threshold may be lower: finer cuts are cheap, near rays are not.
 const LEAF_REACH: f32 = 2.5;
+const LEAF_TEXELS: f32 = 2.0;
 /// Pixels of a cluster at which leaves are looked for.
 const LEAF_PROBES: usize = 4;
 /// The share of hits among probing rays over which a tile is busy, and their number.
@@ -222,7 +223,7 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         self.scene.knobs.solid_angle * manner.threshold * shape.mean_solid_angle()
     }
 
-    /// The ball of a cluster: large enough that no surfel outside looks larger than the threshold.
+    /// The ball of a cluster: large enough that no surfel outside looks larger than some texels.
     fn ball(&self, group: &[Pixel], manner: Manner) -> Ball {
         let radius = |p: &Pixel| {
             let normal = Vec3::from(self.buffer.geometric_normal[*p]);
@@ -230,7 +231,8 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         };
         let some = group.iter().step_by((group.len() / LEAF_PROBES).max(1));
         let leaf = some.map(radius).fold(0.0, f32::max);
-        let least = LEAF_REACH * leaf / self.threshold(manner).sqrt();
+        let usual = self.threshold(manner) / self.scene.knobs.solid_angle * LEAF_TEXELS;
+        let least = LEAF_REACH * leaf / usual.sqrt();
         Ball::around(self.buffer, group, manner.reach, least)
     }
 
