@@ -5,7 +5,7 @@
 //! 2. Small lamps, and the pieces of each, are dealt to the 16 pixels of a 4 x 4 tile, the sky's to the 64
 //!    of an 8 x 8 one; then every pixel takes the mean of the window of that size around it,
 //!    which holds the whole set once.
-//!    Few shining triangles give, where nothing stands between, what they do in closed form; their
+//!    Shining triangles give, where nothing stands between, what they do in closed form; their
 //!    small lamps tell how much of that arrives (Heitz et al. 2018).
 //! 3. Where the window does not lie on one smooth surface, the pixel visits the set by itself. The sky's
 //!    may stand a little aside, and is the smaller one, with a quarter of the set, where a surface bends.
@@ -14,8 +14,8 @@
 //! a few pixels wide are softened by the window.
 
 use crate::gbuffer::GBuffer;
-use crate::glow::Cluster;
-use crate::light::Lamp;
+use crate::glow::{Cluster, Glow};
+use crate::light::{Lamp, Patch};
 use crate::lights::{Lights, lamp_at};
 use crate::sample::Sequence;
 use crate::sky::Sky;
@@ -65,7 +65,7 @@ impl Fixed {
     }
 
     /// From what shines and from suns, by the share of them that falls to a pixel of a tile.
-    fn dealt(&self, tracer: &Tracer, at: &Vertex, place: usize) -> Soft {
+    fn dealt(&self, scene: (&Tracer, &Glow), at: &Vertex, place: usize) -> Soft {
         let far = self.glow.iter().skip(place).step_by(DEAL);
         let far = far.map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
         let near = self.glow.iter().flat_map(|c| {
@@ -75,11 +75,11 @@ impl Fixed {
         });
         let suns = self.suns.iter().skip(place).step_by(DEAL).map(|l| (*l, DEAL as f32));
         let glow = far.chain(near).map(|(l, share)| (l, DEAL as f32 * share));
-        Soft::of(tracer, at, glow, suns)
+        Soft::of(scene, at, glow, suns)
     }
 
     /// The same by a pixel that stands alone.
-    fn alone(&self, tracer: &Tracer, at: &Vertex) -> Soft {
+    fn alone(&self, scene: (&Tracer, &Glow), at: &Vertex) -> Soft {
         // All clusters: one may be the only lamp of its room.
         let far =
             self.glow.iter().map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
@@ -90,7 +90,7 @@ impl Fixed {
             pieces.iter().step_by(ALONE).map(move |l| (*l, many * share))
         });
         let suns = self.suns.iter().map(|l| (*l, 1.0));
-        Soft::of(tracer, at, far.chain(near), suns)
+        Soft::of(scene, at, far.chain(near), suns)
     }
 }
 
@@ -105,17 +105,20 @@ struct Soft {
 }
 
 impl Soft {
+    /// What shines does not shade itself: few rays would tell a ring's near side from its far one by chance.
     fn of(
-        tracer: &Tracer,
+        (tracer, glow): (&Tracer, &Glow),
         at: &Vertex,
-        glow: impl Iterator<Item = (Lamp, f32)>,
+        lamps: impl Iterator<Item = (Lamp, f32)>,
         suns: impl Iterator<Item = (Lamp, f32)>,
     ) -> Self {
         let mut soft = Self { suns: sum(tracer, at, suns), ..Self::default() };
-        for (e, share, ray) in arrivals(at, glow) {
+        for (lamp, share) in lamps.filter(|(l, share)| share * l.strength > 0.0) {
+            let Some((e, ray)) = lamp_at(&lamp, at) else { continue };
             let e = e.map(|e| share * e);
             soft.open = plus(soft.open, e);
-            if !tracer.occluded(&ray) {
+            let own = |p: Patch| glow.is_met(tracer, &ray, p.object);
+            if !tracer.occluded(&ray) || lamp.patch.is_some_and(own) {
                 soft.glow = plus(soft.glow, e);
             }
         }
@@ -203,7 +206,7 @@ pub fn direct_irradiance(
         let own = fixed.sky.iter().skip(SKY_SHARE * sky_place(x, y)).take(SKY_SHARE);
         Raw {
             hard: lamp_irradiance(tracer, &at, &fixed.hard),
-            soft: fixed.dealt(tracer, &at, place(x, y)),
+            soft: fixed.dealt((tracer, &lights.glow), &at, place(x, y)),
             sky: sum(tracer, &at, own.map(|l| (*l, SKY_DEAL as f32))),
         }
     });
@@ -216,7 +219,7 @@ pub fn direct_irradiance(
         let at = Vertex::of_pixel(tracer, buffer, (x, y));
         let soft = match &small {
             Some(pixels) => Soft::mean(pixels, |at| raw[at].soft),
-            None => fixed.alone(tracer, &at),
+            None => fixed.alone((tracer, &lights.glow), &at),
         };
         let soft = soft.whole(lights.glow.open_irradiance(at.position, at.normal));
         if fixed.sky.is_empty() {

@@ -10,15 +10,18 @@
 //! Single-sided materials shine from their front alone, double-sided ones from both sides.
 
 mod lambert;
+mod open;
 mod seen;
+mod shell;
 
 use crate::light::{Lamp, Patch};
 use crate::surface::Surfaces;
-use crate::tracer::{Hit, Tracer};
+use crate::tracer::{Hit, Ray, Sides, Tracer};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
 use chiaro_scene::{Bounds, LightKind};
+use open::Open;
 
 /// The shining triangles of a frame.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +32,8 @@ pub struct Glow {
     /// Power in lumens per pi: radiance's luminance times area, both sides counted.
     power: f64,
     scattered: bool,
+    /// What they give where nothing stands between, unless they are very many or textured.
+    open: Option<Open>,
 }
 
 /// A shining triangle in world space.
@@ -68,6 +73,8 @@ pub struct GlowPoint {
 /// Shining area, over the square of its extent, below which it is scattered: a panel has a half, a tube
 /// thirty times as long as thick a tenth.
 const SPARSE: f32 = 0.05;
+/// Triangles whose light is known in closed form, at most.
+const MANY: usize = 10_000;
 /// Pieces of a cluster.
 const PIECES: usize = 32;
 
@@ -126,7 +133,7 @@ impl Glow {
                 GlowTriangle::of(tracer, surfaces, index as u32, face as u32)
             }));
         }
-        Self::from_triangles(triangles)
+        Self::from_triangles(triangles).without_insides(tracer)
     }
 
     fn from_triangles(triangles: Vec<GlowTriangle>) -> Self {
@@ -142,7 +149,9 @@ impl Glow {
         let bounds = Bounds::of(triangles.iter().flat_map(|t| t.corners));
         let area: f32 = triangles.iter().map(|t| t.area).sum();
         let scattered = area < SPARSE * (2.0 * bounds.radius()).powi(2);
-        Self { triangles, cumulative, power, scattered }
+        let known = triangles.len() <= MANY && !triangles.iter().any(|t| t.textured);
+        let open = known.then(|| Open::new(&triangles));
+        Self { triangles, cumulative, power, scattered, open }
     }
 
     /// Whether what shines stands apart, as the lamps of several rooms do, and is no single panel or bulb:
@@ -185,6 +194,12 @@ impl Glow {
     pub fn find(&self, hit: &Hit) -> Option<usize> {
         // Listed by object and face.
         self.triangles.binary_search_by_key(&(hit.object, hit.face), |t| (t.object, t.face)).ok()
+    }
+
+    /// Whether a ray ends on a shining triangle of an object.
+    pub(crate) fn is_met(&self, tracer: &Tracer, ray: &Ray, object: u32) -> bool {
+        let hit = tracer.hit(ray, Sides::Both).filter(|hit| hit.object == object);
+        hit.is_some_and(|hit| self.find(&hit).is_some())
     }
 
     /// At most `count` small lamps in the place of the whole, spread over it by power.
@@ -247,7 +262,7 @@ impl Glow {
             strength: power,
             colour: sum.map(|c| c / count),
             range: f32::INFINITY,
-            patch: Some(Patch { area, two_sided: t.two_sided }),
+            patch: Some(Patch { area, two_sided: t.two_sided, object: t.object }),
         }
     }
 }

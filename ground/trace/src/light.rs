@@ -32,6 +32,8 @@ pub struct Patch {
     pub area: f32,
     /// Whether it shines to both sides.
     pub two_sided: bool,
+    /// Index into [`chiaro_scene::Frame::objects`].
+    pub object: u32,
 }
 
 impl Patch {
@@ -162,7 +164,7 @@ mod tests {
 
     #[test]
     fn light_arrives_from_lamps_before_the_surface_alone() {
-        let patch = |two_sided| Some(Patch { area: 1.0, two_sided });
+        let patch = |two_sided| Some(Patch { area: 1.0, two_sided, object: 0 });
         let sun = Lamp::sun(-Vec3::Y);
         let point = Lamp { kind: LightKind::Point, position: vec3(0.3, 2.0, 0.1), ..sun };
         let lamps = [

@@ -98,7 +98,11 @@ mod tests {
             kind: LightKind::Point,
             strength: 1.0 + i as f32,
             range: if i % 4 == 1 { 2.0 } else { f32::INFINITY },
-            patch: (i % 5 != 3).then_some(Patch { area: 0.3, two_sided: i.is_multiple_of(3) }),
+            patch: (i % 5 != 3).then_some(Patch {
+                area: 0.3,
+                two_sided: i.is_multiple_of(3),
+                object: 0,
+            }),
             ..Lamp::sun(vector(100 + i))
         };
         let lamps: Vec<Lamp> = (0..21).map(lamp).collect();

@@ -208,7 +208,8 @@ mod tests {
         let run = Run::default();
         let buffer = GBuffer::trace(&tracer, &surfaces, &pose, (300, 300), &run).unwrap();
         let sun = Lamp::key(&pose);
-        let lamps = [sun, Lamp { patch: Some(Patch { area: 1.0, two_sided: false }), ..sun }];
+        let lamps =
+            [sun, Lamp { patch: Some(Patch { area: 1.0, two_sided: false, object: 0 }), ..sun }];
         let every =
             Shadows { tracer: &tracer, buffer: &buffer, lamps: &lamps, samples: None, told: 0 };
         let mut few = Shadows { samples: None, told: u64::MAX, ..every };

@@ -8,21 +8,15 @@ use super::{Glow, GlowTriangle};
 use chiaro_basis::math::{DVec3, Vec3};
 
 impl Glow {
-    /// Irradiance of a place that faces `normal`, linear RGB; `None` where triangles are many or textured.
+    /// Irradiance of a place that faces `normal`, linear RGB; `None` where triangles are very many or textured.
     pub(crate) fn open_irradiance(&self, from: Vec3, normal: Vec3) -> Option<[f32; 3]> {
-        if !self.is_few() || self.triangles.iter().any(|t| t.textured) {
-            return None;
-        }
-        Some(self.triangles.iter().fold([0.0; 3], |sum, t| {
-            let e = t.form(from, normal);
-            std::array::from_fn(|i| sum[i] + t.radiance[i] * e)
-        }))
+        self.open.as_ref().map(|open| open.irradiance(from, normal))
     }
 }
 
 impl GlowTriangle {
     /// Irradiance over its radiance.
-    fn form(&self, from: Vec3, normal: Vec3) -> f32 {
+    pub(super) fn form(&self, from: Vec3, normal: Vec3) -> f32 {
         if !self.is_above(from) {
             return 0.0;
         }
