@@ -4,8 +4,8 @@
 //! another, draw it in facets of 45 degrees: a highlight on a sphere becomes an octagon. Sixteen, with
 //! the knight's moves, are within 2.8 % of each other.
 //!
-//! 1. What lies within some pixels of a border is free; the rest stands, and becomes part of the
-//!    prices of what is free.
+//! 1. What lies within some pixels of a border that no feature guides is free; the rest stands, and
+//!    becomes part of the prices of what is free.
 //! 2. The links of the graph are shared out among sixteen by the formula of Cauchy and Crofton
 //!    (Boykov and Kolmogorov 2003), so that lengths keep their mean; a knight's move, which passes
 //!    between two pixels, is as strong as the stronger of the two ways around.
@@ -31,6 +31,8 @@ use std::ops::Range;
 
 /// Pixels that are cut together at most.
 const PART: usize = 1 << 19;
+/// A bond under this share of the largest is a feature.
+const FEATURE: f32 = 0.5;
 /// How far from a seam of parts labels are found again, in reaches.
 const SEAM: usize = 3;
 /// The farthest reach, in pixels: facets of large prints are rounded as far as that goes.
@@ -104,13 +106,16 @@ impl Costs<'_> {
         Ok(changes)
     }
 
-    /// The nodes within some pixels of a border, in a square.
+    /// The nodes within some pixels of a border off features, in a square.
     fn near_borders(&self, labels: &Plane<u8>, reach: usize) -> Plane<bool> {
         let (w, h) = labels.size();
-        let differs = |p: Pixel, q: Pixel| {
-            q.0 < w && q.1 < h && self.mask[p] && self.mask[q] && labels[p] != labels[q]
+        let largest = self.neighbour.pixels().par_iter().map(|bonds| bonds[0].max(bonds[2])).max();
+        let free = FEATURE * largest.unwrap_or(0) as f32;
+        let differs = |p: Pixel, q: Pixel, link: usize| {
+            let met = q.0 < w && q.1 < h && labels[p] != labels[q] && self.mask[p] && self.mask[q];
+            met && self.neighbour[p][link] as f32 >= free
         };
-        let border = |x, y| differs((x, y), (x + 1, y)) || differs((x, y), (x, y + 1));
+        let border = |x, y| differs((x, y), (x + 1, y), 0) || differs((x, y), (x, y + 1), 2);
         let mut near = Plane::from_fn(w, h, border).into_pixels();
         near.chunks_mut(w.max(1)).for_each(|row| widen_line(row, 0, 1, w, reach));
         (0..w).for_each(|x| widen_line(&mut near, x, w, h, reach));

@@ -88,9 +88,8 @@ fn illuminance(
     let around = shadows.map(|s| s.around(pixel));
     let mut sum = [own; 2];
     let mut add = |k: usize, e: f32| {
-        let dark = around.as_ref().is_some_and(|a| a.is_dark(k, position));
         sum[0] += e;
-        sum[1] += if dark { 0.0 } else { e };
+        sum[1] += around.as_ref().map_or(e, |a| e * a.visible(k, position));
     };
     let single = lamps.iter().enumerate().filter(|(_, l)| l.patch.is_none());
     for (k, lamp) in single.filter(|(_, l)| l.is_before(position, normal)) {

@@ -9,7 +9,8 @@
 //! 2. Each looks level into 16 quarters, from where it stands and from as far back as the room
 //!    goes: the view is 75 degrees wide.
 //! 3. The view counts whose small picture has features spread over most of its area, depth, and no
-//!    wall right before the eye. (The deepest quarter alone often shows one blank wall.)
+//!    wall right before the eye. (The deepest quarter alone often shows one blank wall.) All are
+//!    judged by tiny pictures first, and the best eighth by larger ones.
 
 use crate::tracer::{Hit, Ray, Sides, Tracer};
 use chiaro_basis::math::{Quat, Vec3};
@@ -22,10 +23,12 @@ const RAYS: usize = 96;
 const EYES: usize = 24;
 /// Directions that each eye looks into.
 const HEADINGS: usize = 16;
-/// The small picture that a view is judged by, in pixels.
-const SMALL: (usize, usize) = (40, 30);
-/// Pixels along the side of a cell that has a feature or has none.
-const CELL: usize = 5;
+/// Cells of the small pictures that views are judged by: each has a feature or has none.
+const CELLS: (usize, usize) = (8, 6);
+/// Pixels along the side of a cell, at first and then of the best views, one in so many.
+const TINY: usize = 2;
+const SMALL: usize = 5;
+const BEST: usize = 8;
 
 /// Where to stand in a room, and where to look.
 #[derive(Clone, Copy, Debug)]
@@ -42,9 +45,9 @@ impl Stand {
         let stands: Vec<Stand> =
             eyes.iter().flat_map(|&eye| Self::around(tracer, &bounds, eye)).collect();
         let diagonal = 2.0 * bounds.radius();
-        let scores: Vec<f32> = stands.par_iter().map(|s| s.score(tracer, diagonal)).collect();
-        let best = scores.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)));
-        best.map(|(i, _)| stands[i])
+        let count = stands.len().div_ceil(BEST);
+        let promising = best(stands, count, |s| s.score(tracer, diagonal, TINY));
+        best(promising, 1, |s| s.score(tracer, diagonal, SMALL)).pop()
     }
 
     /// The stands with the eye at a place and with its back to the wall.
@@ -74,12 +77,11 @@ impl Stand {
 
     /// How much the view shows: the share of cells with a feature and the depth of the room, less
     /// what is too near or empty.
-    fn score(&self, tracer: &Tracer, diagonal: f32) -> f32 {
+    fn score(&self, tracer: &Tracer, diagonal: f32, cell: usize) -> f32 {
         let pose = self.view(0.0);
-        let (w, h) = SMALL;
-        let small: Vec<Option<Seen>> = (0..w * h)
-            .map(|i| Seen::at(tracer, &pose, (i % w) as f32 + 0.5, (i / w) as f32 + 0.5))
-            .collect();
+        let (w, h) = (CELLS.0 * cell, CELLS.1 * cell);
+        let small: Vec<Option<Seen>> =
+            (0..w * h).map(|i| Seen::at(tracer, &pose, (i % w, i / w), (w, h))).collect();
         let hits = small.iter().flatten();
         let mut depths: Vec<f32> = hits.map(|s| s.depth).collect();
         if depths.is_empty() {
@@ -93,7 +95,7 @@ impl Stand {
         let empty = 1.0 - depths.len() as f32 / all;
         let behind = small.iter().flatten().filter(|s| s.back).count() as f32 / all;
         let mean = depths.iter().sum::<f32>() / all;
-        let shown = featured(&small) + 0.8 * mean / diagonal;
+        let shown = featured(&small, cell) + 0.8 * mean / diagonal;
         shown - 0.8 * near - 0.5 * (empty - 0.3).max(0.0) - behind
     }
 }
@@ -108,8 +110,13 @@ struct Seen {
 }
 
 impl Seen {
-    fn at(tracer: &Tracer, pose: &Pose, x: f32, y: f32) -> Option<Self> {
-        let (origin, direction) = pose.ray(x, y, SMALL.0 as f32, SMALL.1 as f32);
+    fn at(
+        tracer: &Tracer,
+        pose: &Pose,
+        (x, y): (usize, usize),
+        (w, h): (usize, usize),
+    ) -> Option<Self> {
+        let (origin, direction) = pose.ray(x as f32 + 0.5, y as f32 + 0.5, w as f32, h as f32);
         let ray = Ray { origin, direction, t_max: f32::INFINITY };
         let hit = tracer.hit(&ray, Sides::AsMaterials)?;
         let position = origin + direction * hit.t;
@@ -128,18 +135,31 @@ impl Seen {
     }
 }
 
-/// The share of cells that hold a feature: a step, a bend, another object, or an outline.
-fn featured(small: &[Option<Seen>]) -> f32 {
-    let (w, h) = SMALL;
+/// The `count` stands of the highest score, of equal ones the first.
+fn best(
+    stands: Vec<Stand>,
+    count: usize,
+    score: impl Fn(&Stand) -> f32 + Sync + Send,
+) -> Vec<Stand> {
+    let scores: Vec<f32> = stands.par_iter().map(score).collect();
+    let mut ranked: Vec<(f32, Stand)> = scores.into_iter().zip(stands).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.into_iter().take(count).map(|(_, stand)| stand).collect()
+}
+
+/// The share of cells, of this side in pixels, that hold a feature: a step, a bend, another object,
+/// or an outline.
+fn featured(small: &[Option<Seen>], cell: usize) -> f32 {
+    let (columns, rows) = CELLS;
+    let (w, h) = (columns * cell, rows * cell);
     let is_feature = |a: usize, b: usize| match (&small[a], &small[b]) {
         (Some(a), Some(b)) => a.differs(b),
         (None, None) => false,
         _ => true,
     };
-    let (columns, rows) = (w / CELL, h / CELL);
-    let has = |cell: usize| {
-        let (x0, y0) = (cell % columns * CELL, cell / columns * CELL);
-        let pairs = (0..CELL * CELL).map(|i| (x0 + i % CELL, y0 + i / CELL));
+    let has = |at: usize| {
+        let (x0, y0) = (at % columns * cell, at / columns * cell);
+        let pairs = (0..cell * cell).map(|i| (x0 + i % cell, y0 + i / cell));
         let mut pairs = pairs.filter(|(x, y)| x + 1 < w && y + 1 < h);
         pairs.any(|(x, y)| {
             let at = y * w + x;
