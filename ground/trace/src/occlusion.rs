@@ -3,10 +3,13 @@
 //! 1. A sample is taken at every pixel, in large pictures at every second to fourth of every such row. A set of cosine-weighted
 //!    directions, low in discrepancy, is dealt to the 64 samples of an 8 x 8 tile, so that each casts
 //!    few rays and no two of a tile cast the same.
-//! 2. Samples are averaged over the 8 x 8 window around each pixel, which holds every share of the
-//!    deal once: first over 4 x 4, then over four such means. What lies off the pixel's plane or is
-//!    turned away is left out. Between samples the window slides on by fractions.
-//! 3. A pixel without a sample on its surface (thin things in large pictures) casts its own rays.
+//! 2. Samples are averaged over the 8 x 8 window around each, which holds every share of the
+//!    deal once: first over 4 x 4, then over four such means. What lies off the sample's plane or is
+//!    turned away is left out.
+//! 3. Where openness changes slowly such means are averaged once more, over those of about the same:
+//!    a threshold in a slow gradient shows every hundredth of noise as a tooth of its border.
+//! 4. A pixel takes the bilinear mean of the samples around it that lie on its surface. Without any (thin
+//!    things in large pictures) it casts its own rays.
 //!
 //! Rays start on the smooth surface that the vertex normals span, and those that are flatter than
 //! facets deviate from it count as open: the facets of a smooth surface do not darken each other.
@@ -24,6 +27,10 @@ use chiaro_image::Plane;
 
 /// Samples along a tile's side.
 const TILE: usize = 8;
+/// Means that are averaged once more, along a side and so many samples apart; none that differs by more.
+const SOFT: usize = 5;
+const SPACING: isize = 4;
+const ALIKE: f32 = 0.06;
 /// Pictures with more rows than this have fewer samples than pixels.
 pub(crate) const FINE_ROWS: usize = 640;
 
@@ -43,13 +50,13 @@ pub fn ambient_occlusion(
 ) -> Result<Plane<f32>> {
     let caster = Caster { tracer, buffer, radius, deal: deal(rays) };
     let samples = Samples::take(&caster, run)?;
-    let near = samples.means(buffer);
+    let soft = samples.softened(&samples.windows(&samples.means(buffer), buffer), buffer);
     run.check()?;
     let plane = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return 0.0;
         }
-        samples.spread(&near, buffer, (x, y)).unwrap_or_else(|| caster.whole((x, y)))
+        samples.between(&soft, buffer, (x, y)).unwrap_or_else(|| caster.whole((x, y)))
     });
     run.check()?;
     Ok(plane)
@@ -61,7 +68,7 @@ fn deal(rays: usize) -> Vec<Vec<Vec3>> {
     let place = |i: usize| {
         // Bits of x and y, interleaved and reversed: neighbours start far from each other.
         let (x, y) = (i % TILE, i / TILE);
-        (0..3).fold(0, |n, bit| n << 2 | ((x ^ y) >> bit & 1) << 1 | (y >> bit & 1))
+        (0..TILE.ilog2()).fold(0, |n, bit| n << 2 | ((x ^ y) >> bit & 1) << 1 | (y >> bit & 1))
     };
     (0..TILE * TILE)
         .map(|i| (0..rays).map(|k| cosine_direction(place(i) + k * TILE * TILE)).collect())
@@ -166,49 +173,124 @@ impl Samples {
         })
     }
 
-    /// The mean of means around a pixel, `None` where none is on its surface.
-    fn spread(&self, near: &Plane<f32>, buffer: &GBuffer, (x, y): (usize, usize)) -> Option<f32> {
-        let patch = Surroundings::at(buffer, (x, y), 3.0 * self.step as f32);
-        let along = |p: usize| {
-            let (cell, part) = ((p / self.step) as isize, (p % self.step) as f32);
-            let t = part / self.step as f32;
-            [(cell - 2, 1.0 - t), (cell - 1, t), (cell + 2, 1.0 - t), (cell + 3, t)]
-        };
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for (j, wy) in along(y) {
-            for (i, wx) in along(x) {
-                let weight = wx * wy;
-                if weight > 0.0 && self.pixel(buffer, i, j).is_some_and(|p| patch.holds(buffer, p))
-                {
-                    sum += weight * near[(i as usize, j as usize)];
-                    weights += weight;
+    /// At each sample the mean over 8 x 8 samples on its surface, from those over 4 x 4.
+    fn windows(&self, near: &Plane<f32>, buffer: &GBuffer) -> Plane<f32> {
+        self.over_surface(buffer, 3.0, |at, holds| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for offset in [(-2, -2), (2, -2), (-2, 2), (2, 2)] {
+                if let Some(p) = holds(offset) {
+                    sum += near[p];
+                    count += 1.0;
                 }
             }
-        }
-        // Off the four means' places, the pixel's own surroundings may still be there.
-        if weights > 0.0 { Some(sum / weights) } else { self.own(near, buffer, &patch, (x, y)) }
+            if count > 0.0 { sum / count } else { near[at] }
+        })
     }
 
-    /// The mean at the nearest sample on the same surface.
-    fn own(
-        &self,
-        near: &Plane<f32>,
-        buffer: &GBuffer,
-        patch: &Surroundings,
-        (x, y): (usize, usize),
-    ) -> Option<f32> {
-        let (i, j) = ((x / self.step) as isize, (y / self.step) as isize);
-        let around = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(u, v)| (i + u, j + v));
-        around.into_iter().find_map(|(u, v)| {
-            let p = self.pixel(buffer, u, v)?;
-            patch.holds(buffer, p).then(|| near[(u as usize, v as usize)])
+    /// At each sample the mean of the windows around it that are about as open.
+    fn softened(&self, windows: &Plane<f32>, buffer: &GBuffer) -> Plane<f32> {
+        // The outer ones by half: their windows overlap by half.
+        let share = |k: usize| if k == 0 || k == SOFT - 1 { 0.5 } else { 1.0 };
+        self.over_surface(buffer, 4.0, |at, holds| {
+            let own = windows[at];
+            let (mut sum, mut weights) = (own, 1.0);
+            for i in (0..SOFT * SOFT).filter(|i| *i != SOFT * SOFT / 2) {
+                let away = |k: usize| SPACING * (k as isize - SOFT as isize / 2);
+                let Some(p) = holds((away(i % SOFT), away(i / SOFT))) else { continue };
+                let apart = (windows[p] - own) / ALIKE;
+                let weight = share(i % SOFT) * share(i / SOFT) * (1.0 - apart * apart).max(0.0);
+                sum += weight * windows[p];
+                weights += weight;
+            }
+            sum / weights
         })
+    }
+
+    /// A value at each covered sample, from its place and from places by their offsets, in samples, that
+    /// lie on its surface within so many samples of its plane.
+    fn over_surface(
+        &self,
+        buffer: &GBuffer,
+        reach: f32,
+        value: impl Fn((usize, usize), &dyn Fn((isize, isize)) -> Option<(usize, usize)>) -> f32 + Sync,
+    ) -> Plane<f32> {
+        let (w, h) = self.raw.size();
+        Plane::from_fn(w, h, |i, j| {
+            let Some(pixel) = self.pixel(buffer, i as isize, j as isize) else { return 0.0 };
+            let patch = Surroundings::at(buffer, pixel, reach * self.step as f32);
+            value((i, j), &|(u, v)| {
+                let (u, v) = (i as isize + u, j as isize + v);
+                let on = self.pixel(buffer, u, v).is_some_and(|p| patch.holds(buffer, p));
+                on.then_some((u as usize, v as usize))
+            })
+        })
+    }
+
+    /// The bilinear mean of the samples around a pixel that lie on its surface, `None` where none does.
+    fn between(&self, soft: &Plane<f32>, buffer: &GBuffer, (x, y): (usize, usize)) -> Option<f32> {
+        let (i, j) = (x / self.step, y / self.step);
+        let [across, down] = [x, y].map(|p| (p % self.step) as f32 / self.step as f32);
+        if across == 0.0 && down == 0.0 {
+            return Some(soft[(i, j)]);
+        }
+        let patch = Surroundings::at(buffer, (x, y), 3.0 * self.step as f32);
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (u, v) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let along = |far: usize, t: f32| if far == 1 { t } else { 1.0 - t };
+            // All around count where those of a row or column do not lie on the surface.
+            let weight = (along(u, across) * along(v, down)).max(1e-3);
+            let (u, v) = (i + u, j + v);
+            let pixel = self.pixel(buffer, u as isize, v as isize);
+            if pixel.is_some_and(|p| patch.holds(buffer, p)) {
+                sum += weight * soft[(u, v)];
+                weights += weight;
+            }
+        }
+        (weights > 0.0).then(|| sum / weights)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::Surfaces;
+    use crate::view::Framing;
+    use chiaro_scene::{Playback, Poser, demo};
+
+    #[test]
+    fn slow_gradients_are_smooth_and_keep_their_openness() {
+        let scene = demo::scene("cornell-box").unwrap();
+        let frame = Poser::new(&scene).frame(0.0, &Playback::default());
+        let (tracer, surfaces) = (Tracer::new(&scene, &frame), Surfaces::new(&scene));
+        let pose = Framing::of(&tracer, std::slice::from_ref(&frame)).view(1.0, 0.0).0;
+        let run = Run::default();
+        let buffer = GBuffer::trace(&tracer, &surfaces, &pose, (400, 400), &run).unwrap();
+        let caster =
+            Caster { tracer: &tracer, buffer: &buffer, radius: 0.6 * buffer.radius, deal: deal(8) };
+        let samples = Samples::take(&caster, &run).unwrap();
+        let windows = samples.windows(&samples.means(&buffer), &buffer);
+        let soft = samples.softened(&windows, &buffer);
+        // The median bend of the openness over five pixels of one flat face.
+        let rough = |plane: &Plane<f32>| {
+            let flat = |x: usize, y: usize| {
+                let patch = Surroundings::at(&buffer, (x, y), 0.1);
+                (x - 2..=x + 2).all(|u| buffer.covered[(u, y)] && patch.holds(&buffer, (u, y)))
+            };
+            let places = (0..400).flat_map(|y| (2..398).map(move |x| (x, y)));
+            let mut bends: Vec<f32> = places
+                .filter(|&(x, y)| flat(x, y))
+                .map(|(x, y)| plane[(x - 2, y)] + plane[(x + 2, y)] - 2.0 * plane[(x, y)])
+                .map(f32::abs)
+                .collect();
+            assert!(bends.len() > 10_000);
+            bends.sort_by(f32::total_cmp);
+            bends[bends.len() / 2]
+        };
+        let (before, after) = (rough(&windows), rough(&soft));
+        assert!(after < 0.7 * before, "{before} {after}");
+        let moved = windows.pixels().iter().zip(soft.pixels()).map(|(a, b)| (a - b).abs());
+        assert!(moved.fold(0.0, f32::max) < ALIKE);
+    }
 
     #[test]
     fn every_tile_holds_the_whole_cosine_weighted_set() {

@@ -2,11 +2,11 @@
 //!
 //! In pictures of many rows shadows are sampled at one of 2 x 2 pixels, those of lamps that stand for
 //! pieces of shining surfaces at one of 8 x 8, and of 4 x 4 where those differ; in small pictures
-//! those alone are sampled, at one of 4 x 4, and of 2 x 2 where those differ. Where the samples around
-//! a pixel lie on its smooth surface and agree on a lamp, the pixel agrees with them. Where they differ
-//! on a piece, which is one of many, the pixel has their bilinear mean: the shadow of the whole has no
-//! edges. Elsewhere it casts its own ray, so that the shadow of every other lamp has its edge to the pixel.
-//! Not guaranteed: shadows, or gaps in them, narrower than the samples are apart.
+//! those alone are sampled, at one of 2 x 2. Where the samples around a pixel lie on its smooth
+//! surface and agree on a lamp, the pixel agrees with them. Where they differ on a piece, which is one
+//! of many, pixels of large pictures have their bilinear mean: the shadow of the whole has no edges.
+//! Elsewhere a pixel casts its own ray, so that other shadows have their edge to the pixel. Not
+//! guaranteed: shadows, or gaps in them, narrower than the samples are apart.
 
 use crate::gbuffer::GBuffer;
 use crate::light::{Arrival, Lamp};
@@ -37,6 +37,8 @@ pub(crate) struct Shadows<'a> {
     pieces: u64,
     /// The lamps that are sampled.
     told: u64,
+    /// Whether pieces are as dark as the mean of samples that differ.
+    mixes: bool,
     /// The finest samples so far.
     samples: Option<Samples>,
 }
@@ -81,9 +83,9 @@ impl<'a> Shadows<'a> {
         let all = u64::MAX >> (MOST_LAMPS - lamps.len());
         let (told, steps): (u64, &[usize]) = match is_fine {
             true => (all, &[8, 4, 2]),
-            false => (pieces, &[4, 2]),
+            false => (pieces, &[2]),
         };
-        shadows.told = told;
+        (shadows.told, shadows.mixes) = (told, is_fine);
         steps.iter().try_for_each(|step| shadows.refine(*step, run))?;
         Ok(shadows)
     }
@@ -92,7 +94,7 @@ impl<'a> Shadows<'a> {
     fn new(tracer: &'a Tracer<'a>, buffer: &'a GBuffer, lamps: &'a [Lamp]) -> Self {
         let pieces = lamps.iter().take(MOST_LAMPS).enumerate().filter(|(_, l)| l.patch.is_some());
         let pieces = pieces.fold(0, |bits, (k, _)| bits | 1 << k);
-        Self { tracer, buffer, lamps, pieces, told: 0, samples: None }
+        Self { tracer, buffer, lamps, pieces, told: 0, mixes: false, samples: None }
     }
 
     /// Puts samples so many pixels apart in the place of those that are there.
@@ -128,7 +130,8 @@ impl<'a> Shadows<'a> {
         let used = || corners.iter().filter(|c| c.1 > 0.0);
         let all = used().fold(u64::MAX, |bits, c| bits & c.0);
         let any = used().fold(0, |bits, c| bits | c.0);
-        let mixed = if on_surface >= ON_SURFACE { self.told & self.pieces } else { 0 };
+        let mixes = self.mixes && on_surface >= ON_SURFACE;
+        let mixed = if mixes { self.told & self.pieces } else { 0 };
         Around {
             shadows: self,
             pixel,
@@ -239,7 +242,7 @@ mod tests {
         let lamps =
             [sun, Lamp { patch: Some(Patch { area: 1.0, two_sided: false, object: 0 }), ..sun }];
         let every = Shadows::new(&tracer, &buffer, &lamps);
-        let mut few = Shadows { told: 3, ..Shadows::new(&tracer, &buffer, &lamps) };
+        let mut few = Shadows { told: 3, mixes: true, ..Shadows::new(&tracer, &buffer, &lamps) };
         [8, 4, 2].into_iter().try_for_each(|step| few.refine(step, &run)).unwrap();
         let (mut all, mut known, mut wrong) = (0u32, 0u32, [0.0f32; 2]);
         for i in (0..90_000).filter(|i| buffer.covered.pixels()[*i]) {
