@@ -6,12 +6,15 @@
 //! 3. A lamp that stands aside and a lens that darkens its corners shade it: a cubic over what was
 //!    found takes the median's place, and what is like that is found in its turn. What is burnt
 //!    white says only that the cubic is as bright there.
+//! 4. Grain and walls are no backdrop: what is found must not be ragged, and be flat where normals are
+//!    known. Specks in it are part of it.
 //!
 //! Left out, it is paper, and light and shade are divided over the things themselves. Where nothing
 //! but colours is known, dark backdrops stay: they may be the night.
 
 use chiaro_image::Plane;
 use chiaro_image::colour::srgb_encode;
+use chiaro_image::labels::components;
 use chiaro_solve::{Normal, Rows};
 
 /// Difference of displayed colour, at most, of what is like the backdrop.
@@ -20,6 +23,12 @@ const ALIKE: f32 = 0.12;
 const OF_FRAME: [f32; 2] = [0.5, 0.7];
 /// Share of the picture that the backdrop takes, at least and at most.
 const OF_PICTURE: [f32; 2] = [0.15, 0.98];
+/// Sides of a backdrop's pixels that are border, at most.
+const RAGGED: f32 = 0.25;
+/// Share of a backdrop whose normals differ by no more than this from their median, at least.
+const FLAT: [f32; 2] = [0.8, 0.3];
+/// Smaller pieces within a backdrop are specks, in pixels of a picture of 480 rows.
+const SPECK: f32 = 8.0;
 /// Displayed brightness from which a backdrop is paper.
 const LIGHT: f32 = 0.6;
 /// How often the shade of the backdrop is fitted, by about how many pixels.
@@ -31,8 +40,12 @@ const SHADED: f32 = 0.5;
 const BURNT: f32 = 0.985;
 const BURNT_WEIGHT: f64 = 0.05;
 
-/// Where a picture in linear colour, opaque throughout, shows a plain backdrop.
-pub(super) fn backdrop(colour: &Plane<[f32; 4]>, dark_too: bool) -> Option<Plane<bool>> {
+/// Where a picture in linear colour, opaque throughout, shows a plain backdrop. Normals are of no length where
+/// there is nothing.
+pub(super) fn backdrop(
+    colour: &Plane<[f32; 4]>,
+    normals: Option<&Plane<[f32; 3]>>,
+) -> Option<Plane<bool>> {
     if colour.is_empty() || colour.pixels().iter().any(|p| p[3] < 1.0) {
         return None;
     }
@@ -44,10 +57,13 @@ pub(super) fn backdrop(colour: &Plane<[f32; 4]>, dark_too: bool) -> Option<Plane
     let share = |count: usize, of: usize| count as f32 / of.max(1) as f32;
     let of_frame =
         |found: &Plane<bool>| share(frame.iter().filter(|p| found[**p]).count(), frame.len());
-    if of_frame(&alike) < OF_FRAME[0] || !(dark_too || brightness >= LIGHT) {
+    if of_frame(&alike) < OF_FRAME[0] || normals.is_none() && brightness < LIGHT {
         return None;
     }
     let mut reached = reached(&alike, &frame);
+    if is_ragged(&reached) {
+        return None;
+    }
     let mut shade: Option<Shade> = None;
     for _ in 0..FITS {
         let Some(fitted) = Shade::fitted(&shown, &reached, median, shade.as_ref()) else { break };
@@ -57,6 +73,10 @@ pub(super) fn backdrop(colour: &Plane<[f32; 4]>, dark_too: bool) -> Option<Plane
         reached = self::reached(&alike, &frame);
         shade = Some(fitted);
     }
+    if is_ragged(&reached) || !normals.is_none_or(|normals| is_flat(normals, &reached)) {
+        return None;
+    }
+    fill_specks(&mut reached);
     let of_picture = share(reached.pixels().iter().filter(|r| **r).count(), reached.len());
     let is_part = (OF_PICTURE[0]..=OF_PICTURE[1]).contains(&of_picture);
     (is_part && of_frame(&reached) >= OF_FRAME[1]).then_some(reached)
@@ -90,6 +110,44 @@ fn reached(marks: &Plane<bool>, from: &[(usize, usize)]) -> Plane<bool> {
         open.extend(beside.into_iter().filter(|q| q.0 < marks.width() && q.1 < marks.height()));
     }
     reached
+}
+
+/// Whether a good part of the sides of some pixels are border.
+fn is_ragged(marks: &Plane<bool>) -> bool {
+    let (w, h) = marks.size();
+    let (mut pixels, mut sides) = (0u32, 0u32);
+    for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+        pixels += u32::from(marks[(x, y)]);
+        let right = x + 1 < w && marks[(x, y)] != marks[(x + 1, y)];
+        let below = y + 1 < h && marks[(x, y)] != marks[(x, y + 1)];
+        sides += u32::from(right) + u32::from(below);
+    }
+    sides as f32 > RAGGED * pixels as f32
+}
+
+/// Whether most of the marked pixels that have normals face one way.
+fn is_flat(normals: &Plane<[f32; 3]>, marks: &Plane<bool>) -> bool {
+    let pairs = normals.pixels().iter().zip(marks.pixels());
+    let known: Vec<[f32; 3]> =
+        pairs.filter(|(n, m)| **m && **n != [0.0; 3]).map(|(n, _)| *n).collect();
+    if known.is_empty() {
+        return true;
+    }
+    let middle = median(known.iter().copied());
+    let is_near = |n: &[f32; 3]| n.iter().zip(middle).all(|(a, m)| (a - m).abs() <= FLAT[1]);
+    let near = known.iter().filter(|n| is_near(n)).count();
+    near as f32 >= FLAT[0] * known.len() as f32
+}
+
+/// Marks small pieces of what is not marked.
+fn fill_specks(marks: &mut Plane<bool>) {
+    let area = SPECK * (marks.height() as f32 / 480.0).powi(2);
+    let pieces = components(marks, &marks.map(|_| true));
+    let small: Vec<bool> =
+        pieces.pieces.iter().map(|p| !p.label && (p.area as f32) < area).collect();
+    for (mark, id) in marks.pixels_mut().iter_mut().zip(pieces.ids.pixels()) {
+        *mark |= small[*id as usize];
+    }
 }
 
 /// How a backdrop's colour changes over the picture: a cubic for each channel.
@@ -172,10 +230,29 @@ mod tests {
 
     #[test]
     fn plain_backdrops_are_found_and_holes_stay() {
-        let found = backdrop(&disc(0.95, 0.2), false).unwrap();
+        let found = backdrop(&disc(0.95, 0.2), None).unwrap();
         assert!(found[(0, 0)] && !found[(25, 15)] && !found[(20, 15)]);
-        assert!(backdrop(&disc(0.0, 0.5), false).is_none(), "night");
-        assert!(backdrop(&disc(0.0, 0.5), true).is_some());
+        assert!(backdrop(&disc(0.0, 0.5), None).is_none(), "night");
+        let flat = disc(0.0, 0.5).map(|_| [0.0, 0.0, 1.0]);
+        assert!(backdrop(&disc(0.0, 0.5), Some(&flat)).is_some());
+    }
+
+    #[test]
+    fn walls_and_grain_are_no_backdrop_and_specks_are_part_of_it() {
+        let corner =
+            Plane::from_fn(40, 30, |x, _| if x < 16 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] });
+        assert!(backdrop(&disc(0.95, 0.2), Some(&corner)).is_none(), "two walls");
+        let grain = |share: f32| {
+            let disc = disc(0.95, 0.2);
+            Plane::from_fn(400, 300, |x, y| {
+                let dark = chiaro_basis::random::unit(7, (y * 400 + x) as u64) < share;
+                if dark { [0.5, 0.5, 0.5, 1.0] } else { disc[(x / 10, y / 10)] }
+            })
+        };
+        assert!(backdrop(&grain(0.2), None).is_none(), "grain");
+        let found = backdrop(&grain(0.01), None).unwrap();
+        let ground = |i: usize| (i % 400 < 80 || i % 400 > 320) && i / 400 > 0;
+        assert!((0..120_000).filter(|i| ground(*i)).all(|i| found.pixels()[i]), "specks");
     }
 
     #[test]
@@ -187,7 +264,7 @@ mod tests {
             let v = colour::srgb_decode(if is_thing { light - 0.3 } else { light });
             [v, v, v, 1.0]
         });
-        let found = backdrop(&shaded, false).unwrap();
+        let found = backdrop(&shaded, None).unwrap();
         for (i, found) in found.pixels().iter().enumerate() {
             let (x, y) = (i % 60, i / 60);
             let is_thing = (x as f32 - 30.0).hypot(y as f32 - 20.0) < 9.0;
@@ -198,11 +275,12 @@ mod tests {
     #[test]
     fn full_pictures_and_masks_are_left_alone() {
         let ramp = Plane::from_fn(40, 30, |x, y| [x as f32 / 40.0, y as f32 / 30.0, 0.5, 1.0]);
-        assert!(backdrop(&ramp, true).is_none());
-        assert!(backdrop(&disc(0.9, 0.9), true).is_none(), "nothing but backdrop");
+        let flat = ramp.map(|_| [0.0, 0.0, 1.0]);
+        assert!(backdrop(&ramp, Some(&flat)).is_none());
+        assert!(backdrop(&disc(0.9, 0.9), Some(&flat)).is_none(), "nothing but backdrop");
         let masked = disc(0.95, 0.2).map(|p| [p[0], p[1], p[2], 0.5]);
-        assert!(backdrop(&masked, true).is_none());
-        assert!(backdrop(&Plane::default(), true).is_none());
-        assert!(backdrop(&Plane::filled(1, 1, [1.0; 4]), true).is_none());
+        assert!(backdrop(&masked, Some(&flat)).is_none());
+        assert!(backdrop(&Plane::default(), None).is_none());
+        assert!(backdrop(&Plane::filled(1, 1, [1.0; 4]), None).is_none());
     }
 }

@@ -110,9 +110,9 @@ impl Given {
 
     /// Makes the plain backdrop of a photograph transparent.
     fn leave_backdrop_out(&mut self, run: &Run) {
-        let dark_too = self.layers.normal.is_some();
+        let normals = self.layers.normal.as_ref();
         let Some(colour) = &mut self.layers.colour else { return };
-        if let Some(backdrop) = backdrop::backdrop(colour, dark_too) {
+        if let Some(backdrop) = backdrop::backdrop(colour, normals) {
             *colour = colour
                 .zip(&backdrop, |p, b| if *b { [0.0; 4] } else { *p })
                 .expect("a backdrop has the picture's size");
