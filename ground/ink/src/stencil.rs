@@ -96,6 +96,7 @@ pub fn stencil(sheet: &Plane<bool>, price: &Plane<f32>, form: &StencilForm) -> S
         work.draw(&second, form);
     }
     work.drop_loose(&Cores::main(&work.sheet));
+    work.sheet = strengthened(&work.sheet);
     work.close_small(form);
     work
 }
@@ -108,6 +109,19 @@ fn with_rim(sheet: &Plane<bool>, width: f32) -> Plane<bool> {
         let to_frame = x.min(y).min(w - 1 - x).min(h - 1 - y);
         to_frame < rim || sheet[(x, y)]
     })
+}
+
+/// The sheet with what is thinner than three pixels made that wide: borders that are smoothed would
+/// pinch it off.
+fn strengthened(sheet: &Plane<bool>) -> Plane<bool> {
+    let (w, h) = sheet.size();
+    let around = |(x, y): (usize, usize)| {
+        let rows = y.saturating_sub(1)..(y + 2).min(h);
+        rows.flat_map(move |v| (x.saturating_sub(1)..(x + 2).min(w)).map(move |u| (u, v)))
+    };
+    let inner = Plane::from_fn(w, h, |x, y| around((x, y)).all(|p| sheet[p]));
+    let thin = Plane::from_fn(w, h, |x, y| sheet[(x, y)] && !around((x, y)).any(|p| inner[p]));
+    Plane::from_fn(w, h, |x, y| sheet[(x, y)] || around((x, y)).any(|p| thin[p]))
 }
 
 impl Stencil {
@@ -312,6 +326,21 @@ mod tests {
         let [a, b] = made.bridges.as_slice() else { panic!("{:?}", made.bridges) };
         let apart = (a.points[0][0] - b.points[0][0]).hypot(a.points[0][1] - b.points[0][1]);
         assert!(apart > 30.0, "{apart}");
+    }
+
+    #[test]
+    fn no_part_of_the_sheet_is_thinner_than_three_pixels() {
+        // A line of one pixel across the ink, from rim to rim.
+        let given = Plane::from_fn(60, 60, |x, y| x == y || x == y + 1);
+        let price = given.map(|_| 1.0);
+        let made = stencil(&given, &price, &StencilForm { bridge: 4.0, part: 3.0 }).sheet;
+        assert_eq!(pieces(&made), 1);
+        assert!(made[(30, 30)] && !made[(40, 20)], "the line stays, and the ink");
+        let is_inner = |x: usize, y: usize| (0..9).all(|i| made[(x + i % 3, y + i / 3)]);
+        for (x, y) in (0..60).flat_map(|y| (0..60).map(move |x| (x, y))).filter(|p| made[*p]) {
+            let mut squares = (0..9).map(|i| (x.wrapping_sub(i % 3), y.wrapping_sub(i / 3)));
+            assert!(squares.any(|(u, v)| u < 58 && v < 58 && is_inner(u, v)), "{x} {y}");
+        }
     }
 
     #[test]
