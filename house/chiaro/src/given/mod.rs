@@ -47,16 +47,13 @@ impl Maps {
     }
 }
 
-/// Whether `name` is a picture, not a scene: by its first bytes, or by its ending where there is no
-/// such file.
+/// Whether `name` is a picture, not a scene: by its first bytes or its ending.
 pub fn is_picture(name: &str) -> bool {
     let path = Path::new(name);
     let mut start = [0u8; 8];
     let read = std::fs::File::open(path).and_then(|mut f| std::io::Read::read(&mut f, &mut start));
-    match read {
-        Ok(n) => Format::of(&start[..n]).is_some(),
-        Err(_) => ["png", "jpg", "jpeg", "exr"].contains(&ending(path).as_str()),
-    }
+    let is_named = || ["png", "jpg", "jpeg", "exr"].contains(&ending(path).as_str());
+    read.is_ok_and(|n| Format::of(&start[..n]).is_some()) || is_named()
 }
 
 fn ending(path: &Path) -> String {
