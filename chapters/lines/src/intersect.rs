@@ -4,6 +4,7 @@
 //!    corner. Beyond [`MANY`] faces pieces are tried against others alone.
 //! 2. Two faces share a segment. Its ends are where an edge of one goes through the other, and so
 //!    belong to the neighbour across that edge too: by them segments are chained.
+//! 3. A chain runs along n_f x n_g, f of the piece that is numbered first: the same way in every frame.
 //!
 //! Faces that only touch, or lie in one plane, share no line.
 
@@ -292,15 +293,29 @@ fn path(
         let world = mix(&scenery.posed.positions);
         Point { world, next: scenery.next.map(mix), pushed: world, on_chain: k as f64 }
     };
-    let holes_in_order = std::iter::once(chain.first).chain(chain.steps.iter().map(|s| s.1));
-    let points: Vec<Point> = holes_in_order.zip(0..).map(point).collect();
-    let segment = |(s, _): &(usize, Hole)| {
-        let own = shared[*s].faces;
-        Segment { own, buried: false, outside: false, shared: false }
+    let ends = std::iter::once(chain.first).chain(chain.steps.iter().map(|s| s.1));
+    let ends: Vec<Hole> = ends.collect();
+    let faces: Vec<[u32; 2]> = chain.steps.iter().map(|s| shared[s.0].faces).collect();
+    let at = |hole: &Hole| point((*hole, 0)).world;
+    let along = |(ends, faces): (&[Hole], &[u32; 2])| {
+        (at(&ends[1]) - at(&ends[0])).dot(direction(scenery, *faces))
     };
-    let segments: Vec<Segment> = chain.steps.iter().map(segment).collect();
+    let backwards = ends.windows(2).zip(&faces).map(along).sum::<f64>() < 0.0;
+    let order = |k: usize, count: usize| if backwards { count - 1 - k } else { k };
+    let points: Vec<Point> =
+        (0..ends.len()).map(|k| point((ends[order(k, ends.len())], k))).collect();
+    let segment = |own: [u32; 2]| Segment { own, buried: false, outside: false, shared: false };
+    let segments: Vec<Segment> =
+        (0..faces.len()).map(|k| segment(faces[order(k, faces.len())])).collect();
     let (view, margin) = (scenery.view, scenery.margin);
     Path::new(Kind::Intersection, index, chain.closed, &points, &segments, view, margin)
+}
+
+/// The way along what two faces share: told by which of their pieces, or of themselves, comes first.
+fn direction(scenery: &Scenery<'_>, faces: [u32; 2]) -> DVec3 {
+    let [a, b] = faces.map(|f| (scenery.surface.pieces[f as usize], f));
+    let [a, b] = [a.min(b), a.max(b)].map(|f| scenery.posed.face_normals[f.1 as usize]);
+    a.cross(b).normalize_or_zero()
 }
 
 /// Numbers the connected pieces of a surface, for each real face.

@@ -49,6 +49,37 @@ fn a_ring_through_a_sheet_shows_where_it_enters() {
 }
 
 #[test]
+fn where_pieces_meet_lines_run_the_same_way_in_every_frame() {
+    // A ring lies in a sheet, tilted a little, and turns: faces that meet are others in every frame.
+    let (positions, mut triangles) = torus(60, 30, 0.0);
+    let base = positions.len() as u32;
+    let (sheet, faces) = sheet(2, 0.0);
+    triangles.extend(faces.iter().map(|f| f.map(|v| v + base)));
+    let projection = Projection::Perspective { fov_y: 0.8 };
+    let pose = Pose::look_at(vec3(2.0, 5.0, 3.0), Vec3::ZERO, Vec3::Y, projection);
+    let mut ways = [[0; 2]; 2];
+    for i in 0..12 {
+        let turn = chiaro_basis::math::Quat::from_rotation_y(0.37 * i as f32)
+            * chiaro_basis::math::Quat::from_rotation_x(0.02);
+        let ring = positions.iter().map(|p| turn * *p);
+        let all = ring.chain(sheet.iter().map(|p| *p * 3.0)).collect();
+        let scene = scene(all, triangles.clone(), false);
+        let still = frame(&scene);
+        let film = film(&scene, 1, &|_| (still.clone(), View::new(pose, (640, 480))));
+        for s in film.frames[0].strokes.iter().filter(|s| s.kind == Kind::Intersection) {
+            for pair in s.samples.windows(2).map(|p| [p[0].world, p[1].world]) {
+                let outer = usize::from(pair[0].x.hypot(pair[0].z) > 1.0);
+                let turn = pair[0].cross(pair[1]).y;
+                ways[outer][usize::from(turn > 0.0)] += 1;
+            }
+        }
+    }
+    for way in ways {
+        assert!(way[0].min(way[1]) == 0 && way[0].max(way[1]) > 200, "{way:?}");
+    }
+}
+
+#[test]
 fn what_only_touches_has_no_line() {
     let (mut positions, mut triangles) = cube();
     positions.iter_mut().for_each(|p| *p = *p * 0.5 + vec3(0.0, 0.5, 0.0));
