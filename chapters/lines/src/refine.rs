@@ -2,7 +2,9 @@
 //! frame.
 //!
 //! The error of a silhouette grows with the edges that it crosses. Their lengths in the picture are
-//! gathered on a few frames; a shape is refined until four of five are short enough.
+//! gathered on a few frames; a shape is refined until those that are short enough make up four fifths of
+//! their length: long edges carry most of a silhouette, and fine twigs beside a coarse crown are no
+//! reason to leave that as it is.
 
 use crate::film::{Ground, Reel};
 use crate::knob::LinesKnobs;
@@ -13,7 +15,7 @@ use chiaro_scene::Frame;
 
 /// Frames of the shot that are looked at.
 const LOOKS: usize = 5;
-/// Share of the crossed edges that must be short enough.
+/// Share of the length of crossed edges that must be of short ones.
 const MOST: f64 = 0.8;
 /// Most faces that refinement may lead to.
 const FACES: usize = 3_000_000;
@@ -60,8 +62,13 @@ fn gather(
 /// How often edges must be halved.
 fn halvings(lengths: &mut [f64], knobs: &LinesKnobs) -> f64 {
     lengths.sort_by(f64::total_cmp);
-    let Some(long) = lengths.get((MOST * lengths.len() as f64) as usize) else { return 0.0 };
-    (long / f64::from(knobs.subdivide_edge)).log2().ceil()
+    let all: f64 = lengths.iter().sum();
+    let mut sum = 0.0;
+    let long = lengths.iter().find(|l| {
+        sum += **l;
+        sum >= MOST * all
+    });
+    long.map_or(0.0, |long| (long / f64::from(knobs.subdivide_edge)).log2().ceil())
 }
 
 /// Takes levels away while there would be too many faces.
@@ -77,4 +84,24 @@ fn affordable(mut levels: Vec<u8>, ground: &Ground, frame: &Frame) -> Vec<u8> {
         levels.iter_mut().for_each(|l| *l = l.saturating_sub(1));
     }
     levels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_edges_count_by_their_length() {
+        let knobs = LinesKnobs { subdivide_edge: 8.0, ..LinesKnobs::default() };
+        let mut twigs = vec![2.0; 90];
+        assert!(halvings(&mut twigs, &knobs) <= 0.0);
+        // A crown of few edges that are long.
+        twigs.extend([30.0; 10]);
+        assert_eq!(halvings(&mut twigs, &knobs), 2.0);
+        // One long edge of many is not worth it.
+        let mut fine = vec![4.0; 400];
+        fine.push(100.0);
+        assert!(halvings(&mut fine, &knobs) <= 0.0);
+        assert_eq!(halvings(&mut [], &knobs), 0.0);
+    }
 }
