@@ -6,6 +6,8 @@
 //!    within `NEAR` pixels, and a hidden one is; *wrongly hidden* when a visible sample of the fine
 //!    surface has near it a hidden silhouette of the coarse one and no visible one. What is nearer
 //!    than `NEAR` to the end of a visible stretch is so never counted.
+//!    A visible line where pieces meet will do as well: which of the two is drawn where a silhouette runs
+//!    into another piece is decided by less than a pixel, and a line is drawn either way.
 //! 3. A sample with no line of the other surface near it at all is *apart*: the shapes differ there,
 //!    not their visibility.
 //! 4. A *flicker* is a visible sample whose material point has a visible line near it two frames
@@ -161,7 +163,9 @@ struct Near {
 impl Near {
     fn of(frame: &FilmFrame) -> Self {
         let mut cells: HashMap<[i32; 2], Vec<(DVec2, f64, bool)>> = HashMap::new();
-        for stroke in [&frame.strokes, &frame.hidden].into_iter().flat_map(|s| silhouettes(s)) {
+        let seen = frame.strokes.iter().filter(|s| s.kind == Kind::Intersection);
+        let outlines = [&frame.strokes, &frame.hidden].into_iter().flat_map(|s| silhouettes(s));
+        for stroke in outlines.chain(seen) {
             for s in &stroke.samples {
                 cells.entry(cell(s.at)).or_default().push((s.at, s.depth, stroke.visible));
             }
@@ -246,6 +250,14 @@ mod tests {
         let errors = compare(&both, &both);
         assert_eq!((errors.visible, errors.hidden, errors.shown), (100.0, 0.0, 0.0));
         assert_eq!(errors.apart, 0.0);
+        // It stands in for a silhouette, but not far away, nor hidden.
+        let outline = film(vec![seen.clone(), level(Kind::Silhouette, 40.5, true)]);
+        assert_eq!((compare(&outline, &both).shown, compare(&both, &outline).hidden), (0.0, 0.0));
+        let gone = Stroke { visible: false, ..level(Kind::Intersection, 40.0, true) };
+        for other in [gone, level(Kind::Intersection, 44.0, true)] {
+            let other = film(vec![seen.clone(), other, behind.clone()]);
+            assert!(compare(&outline, &other).shown > 0.99);
+        }
         // What is shown on one of them alone is an error.
         let shown = Stroke { visible: true, ..behind.clone() };
         let errors = compare(&film(vec![seen.clone(), shown]), &film(vec![seen, behind]));
