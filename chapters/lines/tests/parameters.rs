@@ -229,6 +229,25 @@ fn stretched_textures_cover_their_lines() {
 }
 
 #[test]
+fn loops_that_grow_fast_go_on() {
+    // A ring from above grows to three times its size, by 5.5 % a frame: round its outlines of 600 pixels and more, rigid textures are left
+    // behind by dozens of pixels.
+    let (p, t) = torus(80, 40, 0.0);
+    let scene = scene(p, t, false);
+    let still = frame(&scene);
+    let pose = flat_view(vec3(0.0, 4.0, 0.1)).pose;
+    let at = |i: usize| {
+        let size = 0.42 * 1.055f32.powi(i as i32);
+        (moved(&still, |p| p * size), View::new(pose, (960, 720)))
+    };
+    let mut film = film(&scene, 22, &at);
+    let (solved, q) = solve(&mut film, &plain());
+    assert_eq!((solved.cut, q.folds), (0, 0));
+    assert_eq!((q.renamed, q.jumps), (0.0, 0.0));
+    assert!(q.slide_p95 < 1.0, "{q:?}");
+}
+
+#[test]
 fn octaves_follow_a_zoom() {
     let (p, t) = torus(80, 40, 0.1);
     let scene = scene(p, t, false);

@@ -4,6 +4,8 @@
 //! 2. With textures nearly rigid, links are trusted by 1 / (1 + (r / s)^2)^2 of their residual r, s
 //!    falling from 200 to 8 pixels. Where merges and loops ask for two values of one place, the
 //!    lesser side gives way.
+//!    Where lines grow, as in zooms, rigid textures fall behind by more the longer they are: that much of the
+//!    slope of r along a line is no contradiction, and left out.
 //! 3. Bundles of links from one line to another whose median residual exceeds the sliding limit
 //!    sigma are cut, and single links over three times that.
 //!
@@ -14,6 +16,7 @@
 
 use super::energy::{Energy, Factors, Weights};
 use super::failed;
+use super::grow::Growth;
 use super::net::{Link, Net};
 use chiaro_basis::{Result, Run};
 use std::collections::BTreeMap;
@@ -73,8 +76,9 @@ impl Robust<'_> {
             .map(|(e, kept)| energy.unchanged(e, (&kept.u, &kept.residual), self.sigma, &mut u));
         let done = done.unwrap_or_else(|| vec![false; energy.parts()]);
         let mut wraps = wraps(net, energy, period, &u);
+        let growth = Growth::of(net);
         let left = |u: &[f64], wraps: &[f64]| -> Vec<f64> {
-            (0..net.links.len()).map(|i| energy.residual(i, u, wraps[i])).collect()
+            growth.left_out((0..net.links.len()).map(|i| energy.residual(i, u, wraps[i])).collect())
         };
         let mut residual = left(&u, &wraps);
         // Scales below this change a part.

@@ -16,6 +16,7 @@ pub(crate) mod cut;
 pub mod diffuse;
 mod energy;
 mod fit;
+mod grow;
 mod live;
 mod monotone;
 mod name;
