@@ -5,7 +5,7 @@ use chiaro_basis::random;
 use chiaro_scene::{
     Material, MaterialId, Mesh, MeshId, Node, NormalSource, Playback, Poser, Scene, Transform,
 };
-use chiaro_trace::{Ray, Sides, Tracer};
+use chiaro_trace::{Glow, Ray, Sides, Surfaces, Tracer};
 use rayon::prelude::*;
 
 /// A sphere of `n` x 2 `n` quads, closed: vertices of the seam and of the poles are shared.
@@ -306,6 +306,36 @@ fn far_from_the_origin_rays_leave_the_surface_that_they_start_on() {
             let origin = met + normal * tracer.offset();
             let away = Ray { origin, direction: above.normalize(), t_max: f32::INFINITY };
             assert!(!tracer.occluded(&away), "{far}: {met}");
+        }
+    }
+}
+
+/// A double-sided bulb beside a wall shines outwards alone; the same as a dome around all that is drawn keeps both
+/// sides.
+#[test]
+fn the_inside_of_a_bulb_does_not_count() {
+    let lamp = Material { emissive: [1.0; 3], double_sided: true, ..Material::default() };
+    let wall = Mesh {
+        positions: vec![vec3(-0.5, -0.5, 0.0), vec3(0.5, -0.5, 0.0), vec3(0.0, 0.5, 0.0)],
+        triangles: vec![[0, 1, 2]],
+        materials: vec![MaterialId::new(1)],
+        ..Mesh::default()
+    };
+    for (away, insides) in [(3.0, true), (0.2, false)] {
+        let mut scene = scene(sphere(12, 0.0), &[place([0.0; 3], 0.0, [1.0; 3])]);
+        scene.materials = vec![lamp.clone(), Material::default()];
+        scene.meshes.push(wall.clone());
+        scene.nodes.push(Node {
+            transform: place([0.0, 0.0, -away], 0.0, [1.0; 3]),
+            mesh: Some(MeshId::new(1)),
+            ..Node::default()
+        });
+        let frame = Poser::new(&scene).frame(0.0, &Playback::default());
+        let glow = Glow::of(&Tracer::new(&scene, &frame), &Surfaces::new(&scene));
+        assert_eq!(glow.triangles().len(), scene.meshes[0].triangles.len());
+        for t in glow.triangles() {
+            assert_eq!(t.two_sided, !insides);
+            assert!(!insides || t.normal.dot(t.corners[0]) > 0.0, "{t:?}");
         }
     }
 }
