@@ -18,7 +18,7 @@ const LOOKS: usize = 5;
 /// Share of the length of crossed edges that must be of short ones.
 const MOST: f64 = 0.8;
 /// Most faces that refinement may lead to.
-const FACES: usize = 3_000_000;
+const FACES: usize = 1_000_000;
 
 /// How closely the lines of a shot follow each shape of its frames; `ground` is not refined.
 pub(crate) fn details(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> Vec<Detail> {
