@@ -133,7 +133,8 @@ impl Glow {
                 GlowTriangle::of(tracer, surfaces, index as u32, face as u32)
             }));
         }
-        Self::from_triangles(triangles).without_insides(tracer)
+        shell::leave_insides_out(&mut triangles, tracer);
+        Self::from_triangles(triangles)
     }
 
     fn from_triangles(triangles: Vec<GlowTriangle>) -> Self {
@@ -192,8 +193,7 @@ impl Glow {
 
     /// Which of the triangles was hit.
     pub fn find(&self, hit: &Hit) -> Option<usize> {
-        // Listed by object and face.
-        self.triangles.binary_search_by_key(&(hit.object, hit.face), |t| (t.object, t.face)).ok()
+        listed(&self.triangles, hit)
     }
 
     /// Whether a ray ends on a shining triangle of an object.
@@ -298,6 +298,11 @@ impl GlowTriangle {
         let sides = if self.two_sided { 2.0 } else { 1.0 };
         sides * f64::from(luminance(self.radiance)) * f64::from(self.area)
     }
+}
+
+/// Which of some triangles, in the order of objects and faces, was hit.
+fn listed(triangles: &[GlowTriangle], hit: &Hit) -> Option<usize> {
+    triangles.binary_search_by_key(&(hit.object, hit.face), |t| (t.object, t.face)).ok()
 }
 
 /// The members of `count` compact clusters of points: farthest-point seeds, then a few of Lloyd's
