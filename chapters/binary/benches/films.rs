@@ -21,7 +21,7 @@ use chiaro_binary::{
 use chiaro_image::Plane;
 use chiaro_scene::load::{Budget, Door, Source, Up, read_scene};
 use chiaro_scene::{Choice, Frame, Pose, Poser, Scene, demo};
-use chiaro_trace::{GBuffer, Lamp, Match, Surfaces, Tracer, UNLINKED, links, view};
+use chiaro_trace::{GBuffer, Lamp, Lamps, Match, Surfaces, Tracer, UNLINKED, links, view};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -107,7 +107,7 @@ impl Takes {
                 lamp.direction =
                     Quat::from_rotation_y(i as f32 * 2.5f32.to_radians()) * lamp.direction;
             }
-            let lamps = [lamp];
+            let lamps = Lamps::of(vec![lamp]);
             let lit = Lit { tracer: &tracer, surfaces: &surfaces, buffer: &buffer, lamps: &lamps };
             let channels = Channels::render(&lit, |c| c.is_used(&knobs), &knobs, true, &run);
             View { channels: channels.expect("no cancel"), buffer }

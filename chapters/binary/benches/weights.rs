@@ -13,7 +13,7 @@ use chiaro_binary::{
 };
 use chiaro_image::filter;
 use chiaro_scene::demo;
-use chiaro_trace::{GBuffer, Lamp, Surfaces, Tracer, view};
+use chiaro_trace::{GBuffer, Lamp, Lamps, Surfaces, Tracer, view};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -99,7 +99,7 @@ fn seen(name: &str) -> View {
     let framing = view::Framing::of(&tracer, std::slice::from_ref(&frame));
     let (pose, _) = framing.view(1.0, 0.0);
     let buffer = GBuffer::trace(&tracer, &surfaces, &pose, (SIDE, SIDE), &run).expect("no cancel");
-    let lamps = [Lamp::key(&pose)];
+    let lamps = Lamps::of(vec![Lamp::key(&pose)]);
     let lit = Lit { tracer: &tracer, surfaces: &surfaces, buffer: &buffer, lamps: &lamps };
     let knobs = BinaryKnobs::default();
     let wanted = |c: Channel| c.is_used(&knobs);

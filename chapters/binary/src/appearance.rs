@@ -4,7 +4,7 @@ use crate::knob::{BinaryKnobs, Model};
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
 use chiaro_trace::channel::{self, Diffuse};
-use chiaro_trace::{GBuffer, Lamp, Surfaces, Tracer, ambient_occlusion};
+use chiaro_trace::{GBuffer, Lamps, Surfaces, Tracer, ambient_occlusion};
 
 /// One appearance channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,7 +159,7 @@ pub struct Lit<'a> {
     /// What the camera sees.
     pub buffer: &'a GBuffer,
     /// Its lamps; at least one.
-    pub lamps: &'a [Lamp],
+    pub lamps: &'a Lamps,
 }
 
 /// Diffuse light, if any channel needs it.
@@ -232,7 +232,7 @@ impl Lit<'_> {
                     Light::Shadowed(d) => Some(d),
                     _ => None,
                 };
-                channel::specular(buffer, self.lamps, roughness, shadow)
+                channel::specular(buffer, self.lamps.all(), roughness, shadow)
             }
             Channel::Reflection => channel::reflection(self.tracer, self.surfaces, buffer, run)?,
             Channel::Luminance => channel::luminance(buffer),

@@ -165,7 +165,7 @@ fn samples(
         let matt = gloss.as_ref().map_or([0.0; 3], matt);
         let known = (irradiance, crevices);
         let [soft, i, s] = around(lit, buffer, known, (x, y), (k, &vertex, footprint));
-        let hard = lamp_irradiance(lit.tracer, &vertex, &lit.lights.lamps);
+        let hard = lamp_irradiance((lit.tracer, &lit.lights.glow), &vertex, &lit.lights.lamps);
         for c in 0..3 {
             let reflected = share * albedo[c] * FRAC_1_PI;
             sum.direct[c] += share * vertex.emission[c] + reflected * (hard[c] + soft[c]);

@@ -11,6 +11,7 @@
 //! Ambient occlusion has a file of its own. A pixel without geometry is 0 in every channel.
 
 use crate::gbuffer::GBuffer;
+use crate::lamps::Lamps;
 use crate::light::{Arrival, Lamp};
 use crate::panels::Panels;
 use crate::shadow::Shadows;
@@ -39,7 +40,7 @@ pub struct Diffuse {
 pub fn diffuse(
     tracer: &Tracer,
     buffer: &GBuffer,
-    lamps: &[Lamp],
+    lamps: &Lamps,
     shadows: bool,
     run: &Run,
 ) -> Result<Diffuse> {
@@ -47,7 +48,7 @@ pub fn diffuse(
         true => Some(Shadows::sample(tracer, buffer, lamps, run)?),
         false => None,
     };
-    let panels = Panels::of(lamps);
+    let panels = Panels::of(lamps.all());
     let sums = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return [0.0; 2];
@@ -55,11 +56,11 @@ pub fn diffuse(
         illuminance(buffer, (lamps, &panels), shaded.as_ref(), (x, y))
     });
     run.check()?;
-    let middle = match lamps {
+    let middle = match lamps.all() {
         [lamp] if lamp.kind == chiaro_scene::LightKind::Directional => None,
         _ => Some(median_of_lit(&sums, &buffer.covered)),
     };
-    let strength = lamps.first().map_or(1.0, |l| l.strength);
+    let strength = lamps.all().first().map_or(1.0, |l| l.strength);
     let tone = |e: f32| match middle {
         None => (e / strength).clamp(0.0, 1.0),
         Some(m) => e / (e + m),
@@ -74,33 +75,35 @@ pub fn diffuse(
 /// Illuminance without and with shadow, lux.
 fn illuminance(
     buffer: &GBuffer,
-    (lamps, panels): (&[Lamp], &Panels),
+    (lamps, panels): (&Lamps, &Panels),
     shadows: Option<&Shadows<'_>>,
     pixel: (usize, usize),
 ) -> [f32; 2] {
     let position = Vec3::from(buffer.position[pixel]);
     let normal = Vec3::from(buffer.normal[pixel]);
     // A surface that shines is as bright as a white one under pi times its radiance.
-    let own = match lamps.iter().any(|l| l.patch.is_some()) {
-        true => std::f32::consts::PI * colour::luminance(buffer.emissive[pixel]),
-        false => 0.0,
+    let own = match lamps.glow().is_empty() {
+        false => std::f32::consts::PI * colour::luminance(buffer.emissive[pixel]),
+        true => 0.0,
     };
     let around = shadows.map(|s| s.around(pixel));
+    let arrives = |k: usize, e: f32| around.as_ref().map_or(e, |a| e * a.visible(k, position));
     let mut sum = [own; 2];
-    let mut add = |k: usize, e: f32| {
-        sum[0] += e;
-        sum[1] += around.as_ref().map_or(e, |a| e * a.visible(k, position));
-    };
-    let single = lamps.iter().enumerate().filter(|(_, l)| l.patch.is_none());
+    let single = lamps.single().iter().enumerate();
     for (k, lamp) in single.filter(|(_, l)| l.is_before(position, normal)) {
         let Some(arrival) = lamp.arrival(position) else { continue };
         let e = arrival.strength * normal.dot(arrival.towards).max(0.0);
         if e > 0.0 {
-            add(k, e);
+            sum = [sum[0] + e, sum[1] + arrives(k, e)];
         }
     }
-    panels.light(position, normal, add);
-    sum
+    let mut glow = [0.0; 2];
+    panels.light(position, normal, |k, e| glow = [glow[0] + e, glow[1] + arrives(k, e)]);
+    if let Some((open, share)) = lamps.beside(position, normal).filter(|_| glow[0] > 0.0) {
+        let scale = 1.0 + share * (open / glow[0] - 1.0);
+        glow = glow.map(|e| e * scale);
+    }
+    [sum[0] + glow[0], sum[1] + glow[1]]
 }
 
 /// The median over pixels that any lamp lights; 1 when there is none.

@@ -15,11 +15,11 @@
 
 use crate::gbuffer::GBuffer;
 use crate::glow::{Cluster, Glow};
-use crate::light::{Lamp, Patch};
+use crate::light::Lamp;
 use crate::lights::{Lights, lamp_at};
 use crate::sample::Sequence;
 use crate::sky::Sky;
-use crate::tracer::{Ray, Tracer};
+use crate::tracer::Tracer;
 use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
@@ -105,20 +105,18 @@ struct Soft {
 }
 
 impl Soft {
-    /// What shines does not shade itself: few rays would tell a ring's near side from its far one by chance.
     fn of(
-        (tracer, glow): (&Tracer, &Glow),
+        scene @ (tracer, glow): (&Tracer, &Glow),
         at: &Vertex,
         lamps: impl Iterator<Item = (Lamp, f32)>,
         suns: impl Iterator<Item = (Lamp, f32)>,
     ) -> Self {
-        let mut soft = Self { suns: sum(tracer, at, suns), ..Self::default() };
+        let mut soft = Self { suns: sum(scene, at, suns), ..Self::default() };
         for (lamp, share) in lamps.filter(|(l, share)| share * l.strength > 0.0) {
             let Some((e, ray)) = lamp_at(&lamp, at) else { continue };
             let e = e.map(|e| share * e);
             soft.open = plus(soft.open, e);
-            let own = |p: Patch| glow.is_met(tracer, &ray, p.object);
-            if !tracer.occluded(&ray) || lamp.patch.is_some_and(own) {
+            if glow.is_free(tracer, &ray, &lamp) {
                 soft.glow = plus(soft.glow, e);
             }
         }
@@ -198,6 +196,7 @@ pub fn direct_irradiance(
     run: &Run,
 ) -> Result<Direct> {
     let fixed = Fixed::of(lights);
+    let scene = (tracer, &lights.glow);
     let raw = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return Raw::default();
@@ -205,9 +204,9 @@ pub fn direct_irradiance(
         let at = Vertex::of_pixel(tracer, buffer, (x, y));
         let own = fixed.sky.iter().skip(SKY_SHARE * sky_place(x, y)).take(SKY_SHARE);
         Raw {
-            hard: lamp_irradiance(tracer, &at, &fixed.hard),
-            soft: fixed.dealt((tracer, &lights.glow), &at, place(x, y)),
-            sky: sum(tracer, &at, own.map(|l| (*l, SKY_DEAL as f32))),
+            hard: lamp_irradiance(scene, &at, &fixed.hard),
+            soft: fixed.dealt(scene, &at, place(x, y)),
+            sky: sum(scene, &at, own.map(|l| (*l, SKY_DEAL as f32))),
         }
     });
     run.check()?;
@@ -219,7 +218,7 @@ pub fn direct_irradiance(
         let at = Vertex::of_pixel(tracer, buffer, (x, y));
         let soft = match &small {
             Some(pixels) => Soft::mean(pixels, |at| raw[at].soft),
-            None => fixed.alone((tracer, &lights.glow), &at),
+            None => fixed.alone(scene, &at),
         };
         let soft = soft.whole(lights.glow.open_irradiance(at.position, at.normal));
         if fixed.sky.is_empty() {
@@ -230,7 +229,7 @@ pub fn direct_irradiance(
             None => {
                 let some = fixed.sky.iter().take(SKY_DEAL * SKY_SHARE / SKY_ALONE);
                 let some = some.map(|l| (*l, SKY_ALONE as f32));
-                sum(tracer, &at, some)
+                sum(scene, &at, some)
             }
         };
         plus(soft, sky)
@@ -259,25 +258,22 @@ fn sky_place(x: usize, y: usize) -> usize {
     DEAL * TURN[(y / TILE % 2) * 2 + x / TILE % 2] + place(x, y)
 }
 
-/// Irradiance at a vertex from lamps, each with a shadow ray.
-pub fn lamp_irradiance(tracer: &Tracer, at: &Vertex, lamps: &[Lamp]) -> [f32; 3] {
-    sum(tracer, at, lamps.iter().map(|l| (*l, 1.0)))
+/// Irradiance at a vertex from lamps, each with a shadow ray, through what shines.
+pub fn lamp_irradiance(scene: (&Tracer, &Glow), at: &Vertex, lamps: &[Lamp]) -> [f32; 3] {
+    sum(scene, at, lamps.iter().map(|l| (*l, 1.0)))
 }
 
-fn sum(tracer: &Tracer, at: &Vertex, lamps: impl Iterator<Item = (Lamp, f32)>) -> [f32; 3] {
-    arrivals(at, lamps)
-        .filter(|(_, _, ray)| !tracer.occluded(ray))
-        .fold([0.0; 3], |s, (e, share, _)| plus(s, e.map(|e| share * e)))
-}
-
-/// What lamps would give, each times its share, and the rays that ask whether they do.
-fn arrivals(
+/// From lamps, each times its share.
+fn sum(
+    (tracer, glow): (&Tracer, &Glow),
     at: &Vertex,
     lamps: impl Iterator<Item = (Lamp, f32)>,
-) -> impl Iterator<Item = ([f32; 3], f32, Ray)> {
+) -> [f32; 3] {
     lamps
         .filter(|(l, share)| share * l.strength > 0.0)
-        .filter_map(|(l, share)| lamp_at(&l, at).map(|(e, ray)| (e, share, ray)))
+        .filter_map(|(l, share)| lamp_at(&l, at).map(|(e, ray)| (l, share, e, ray)))
+        .filter(|(l, _, _, ray)| glow.is_free(tracer, ray, l))
+        .fold([0.0; 3], |s, (_, share, e, _)| plus(s, e.map(|e| share * e)))
 }
 
 fn mean(pixels: &[Pixel], of: impl Fn(Pixel) -> [f32; 3]) -> [f32; 3] {

@@ -14,7 +14,7 @@ mod open;
 mod seen;
 mod shell;
 
-use crate::light::{Lamp, Patch};
+use crate::light::{Lamp, Patch, Shown};
 use crate::surface::Surfaces;
 use crate::tracer::{Hit, Ray, Sides, Tracer};
 use chiaro_basis::math::Vec3;
@@ -106,18 +106,16 @@ impl Cluster {
             return self.lamp;
         }
         let towards = (point - self.lamp.position).normalize_or(self.lamp.direction);
-        let cosine = |l: &Lamp| match l.patch {
-            Some(Patch { two_sided: true, .. }) => l.direction.dot(towards).abs(),
-            _ => l.direction.dot(towards).max(0.0),
-        };
+        let shown = |l: &Lamp| l.patch.map_or(0.0, |p| p.shown.at(l.direction.dot(towards)));
         let facing = |best: (f32, Vec3), l: &Lamp| {
-            let c = cosine(l);
+            let c = shown(l);
             if c > best.0 { (c, l.position) } else { best }
         };
         let (_, position) = self.pieces.iter().fold((0.0, self.lamp.position), facing);
-        let power: f32 = self.pieces.iter().map(|l| l.strength * cosine(l)).sum();
+        let power: f32 = self.pieces.iter().map(|l| l.strength * shown(l)).sum();
         let direction = (point - position).normalize_or(towards);
-        Lamp { position, direction, strength: power, ..self.lamp }
+        let patch = self.lamp.patch.map(|p| Patch { shown: Shown::FRONT, ..p });
+        Lamp { position, direction, strength: power, patch, ..self.lamp }
     }
 }
 
@@ -196,8 +194,14 @@ impl Glow {
         listed(&self.triangles, hit)
     }
 
+    /// Whether nothing stands on the way to a lamp. What shines does not shade itself: few rays would tell a
+    /// ring's near side from its far one by chance.
+    pub fn is_free(&self, tracer: &Tracer, ray: &Ray, lamp: &Lamp) -> bool {
+        !tracer.occluded(ray) || lamp.patch.is_some_and(|p| self.is_met(tracer, ray, p.object))
+    }
+
     /// Whether a ray ends on a shining triangle of an object.
-    pub(crate) fn is_met(&self, tracer: &Tracer, ray: &Ray, object: u32) -> bool {
+    fn is_met(&self, tracer: &Tracer, ray: &Ray, object: u32) -> bool {
         let hit = tracer.hit(ray, Sides::Both).filter(|hit| hit.object == object);
         hit.is_some_and(|hit| self.find(&hit).is_some())
     }
@@ -238,8 +242,8 @@ impl Glow {
         Cluster { lamp, radius, pieces, is_flat }
     }
 
-    /// One lamp for a cluster of points: at the member nearest to their mean, with its triangle's
-    /// direction and the cluster's power and mean colour.
+    /// One lamp for a cluster of points: at the member nearest to their mean, with the cluster's power, mean
+    /// colour and, where its triangles face one way, their direction.
     fn lamp(&self, points: &[GlowPoint], members: &[usize], share: f32) -> Lamp {
         let count = members.len() as f32;
         let mean = members.iter().map(|&i| points[i].position).sum::<Vec3>() / count;
@@ -252,17 +256,28 @@ impl Glow {
             let y = luminance(t.radiance);
             std::array::from_fn(|k| sum[k] + t.radiance[k] / y)
         });
+        let normals = || members.iter().map(|&i| self.triangles[points[i].triangle].normal);
+        let facing = match t.two_sided {
+            true => t.normal,
+            false => normals().sum::<Vec3>() / count,
+        };
+        let direction = facing.normalize_or(t.normal);
+        let square = normals().map(|n| n.dot(direction).powi(2)).sum::<f32>() / count;
+        let shown = match t.two_sided {
+            true => Shown::of_both(square),
+            false => Shown::of_normals(facing.length(), square),
+        };
         // A two-sided patch shines with half of its power to each side.
         let power = share * count * if t.two_sided { 0.5 } else { 1.0 };
         let area = power / luminance(t.radiance);
         Lamp {
             position: middle.position,
-            direction: t.normal,
+            direction,
             kind: LightKind::Point,
             strength: power,
             colour: sum.map(|c| c / count),
             range: f32::INFINITY,
-            patch: Some(Patch { area, two_sided: t.two_sided, object: t.object }),
+            patch: Some(Patch { area, shown, object: t.object }),
         }
     }
 }

@@ -30,8 +30,8 @@ pub struct Lamp {
 pub struct Patch {
     /// In scene units squared.
     pub area: f32,
-    /// Whether it shines to both sides.
-    pub two_sided: bool,
+    /// What it shows of itself.
+    pub shown: Shown,
     /// Index into [`chiaro_scene::Frame::objects`].
     pub object: u32,
 }
@@ -41,6 +41,44 @@ impl Patch {
     /// touches it is not burnt.
     pub(crate) fn softening(self) -> f32 {
         0.5 * self.area * std::f32::consts::FRAC_1_PI
+    }
+}
+
+/// The area that a surface shows to places at an angle from its direction, over its whole area: `lean` c +
+/// `flat` |c| + `round`, c the cosine of the angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// What it shows to one side more than to the other.
+    pub lean: f32,
+    /// What a flat one shows to both.
+    pub flat: f32,
+    /// What it shows to all sides alike.
+    pub round: f32,
+}
+
+impl Shown {
+    /// A flat piece's one side.
+    pub const FRONT: Self = Self { lean: 0.5, flat: 0.5, round: 0.0 };
+    /// A flat piece's two sides.
+    pub const BOTH: Self = Self { lean: 0.0, flat: 1.0, round: 0.0 };
+
+    /// By the mean of the cosines between a surface's normals and its direction, and the mean of their squares,
+    /// of one side that shines: a ball's 0 and 1/3, a hemisphere's 1/2 and 1/3.
+    pub(crate) fn of_normals(cosine: f32, square: f32) -> Self {
+        // (c + |c|) / 2 is what a small piece shows; of |c| the mean is 1/2 where pieces face all ways.
+        let round = (1.5 * (1.0 - square)).clamp(0.0, 1.0);
+        Self { lean: 0.5 * cosine, flat: 0.5 * (1.0 - round), round: 0.25 * round }
+    }
+
+    /// The same of two sides, whatever their mean.
+    pub(crate) fn of_both(square: f32) -> Self {
+        let one = Self::of_normals(0.0, square);
+        Self { lean: 0.0, flat: 2.0 * one.flat, round: 2.0 * one.round }
+    }
+
+    /// At a cosine.
+    pub(crate) fn at(self, cosine: f32) -> f32 {
+        (self.lean * cosine + self.flat * cosine.abs() + self.round).max(0.0)
     }
 }
 
@@ -128,7 +166,7 @@ impl Lamp {
             return normal.dot(self.direction) < 0.0;
         }
         let offset = self.position - point;
-        let shines = |p: Patch| p.two_sided || self.direction.dot(offset) < 0.0;
+        let shines = |p: Patch| p.shown.at(-self.direction.dot(offset.normalize_or_zero())) > 0.0;
         normal.dot(offset) > 0.0 && self.patch.is_none_or(shines)
     }
 
@@ -140,8 +178,7 @@ impl Lamp {
     /// The spot's angular falloff (KHR_lights_punctual), a patch's cosine, 1 for point lights.
     fn cone(&self, outward: Vec3) -> f32 {
         if let Some(patch) = self.patch {
-            let cosine = self.direction.dot(outward);
-            return if patch.two_sided { cosine.abs() } else { cosine.max(0.0) };
+            return patch.shown.at(self.direction.dot(outward));
         }
         let LightKind::Spot { inner, outer } = self.kind else { return 1.0 };
         let (full, dark) = (inner.cos(), outer.cos());
@@ -164,14 +201,14 @@ mod tests {
 
     #[test]
     fn light_arrives_from_lamps_before_the_surface_alone() {
-        let patch = |two_sided| Some(Patch { area: 1.0, two_sided, object: 0 });
+        let patch = |shown| Some(Patch { area: 1.0, shown, object: 0 });
         let sun = Lamp::sun(-Vec3::Y);
         let point = Lamp { kind: LightKind::Point, position: vec3(0.3, 2.0, 0.1), ..sun };
         let lamps = [
             sun,
             point,
-            Lamp { patch: patch(false), ..point },
-            Lamp { patch: patch(true), ..point },
+            Lamp { patch: patch(Shown::FRONT), ..point },
+            Lamp { patch: patch(Shown::BOTH), ..point },
         ];
         for lamp in lamps {
             for (place, normal) in
@@ -181,6 +218,22 @@ mod tests {
                 let arrives = lamp.arrival(at).is_some_and(|a| normal.dot(a.towards) > 0.0);
                 assert_eq!(lamp.is_before(at, normal), arrives, "{lamp:?} {place} {normal}");
             }
+        }
+    }
+
+    #[test]
+    fn what_balls_and_halves_show_is_exact() {
+        let close = |shown: Shown, cosine: f32, exact: f32| {
+            assert!((shown.at(cosine) - exact).abs() < 1e-6, "{shown:?} {cosine}");
+        };
+        for i in 0..=20 {
+            let c = i as f32 / 10.0 - 1.0;
+            close(Shown::of_normals(1.0, 1.0), c, c.max(0.0));
+            close(Shown::of_both(1.0), c, c.abs());
+            close(Shown::of_normals(0.0, 1.0 / 3.0), c, 0.25);
+            close(Shown::of_both(1.0 / 3.0), c, 0.5);
+            // Half a ball seen at an angle: half a disc, and as much of its rim's half as the cosine says.
+            close(Shown::of_normals(0.5, 1.0 / 3.0), c, 0.25 * (1.0 + c));
         }
     }
 

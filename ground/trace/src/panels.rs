@@ -1,7 +1,7 @@
 //! [`Panels`]: lamps that stand for pieces of shining surfaces, eight side by side.
 //!
-//! A room has some two dozen of them before every pixel. Their illuminance E = I (n.o)+ (d.-o)+ /
-//! (o.o (o.o + s)), o the offset to the lamp and s its softening, needs no root.
+//! A room has some two dozen of them before every pixel. Their illuminance is E = I (n.o)+ (a d.-o + b |d.o| +
+//! c |o|)+ / (o.o (o.o + s)), o the offset to the lamp, a, b, c what it shows of itself, and s its softening.
 
 use crate::light::Lamp;
 use chiaro_basis::math::Vec3;
@@ -25,8 +25,10 @@ struct Eight {
     softening: [f32; LANES],
     /// Squares of their ranges.
     reach: [f32; LANES],
-    /// 1 for those that shine to both sides.
-    back: [f32; LANES],
+    /// What they show of themselves ([`crate::light::Shown`]).
+    lean: [f32; LANES],
+    flat: [f32; LANES],
+    round: [f32; LANES],
 }
 
 impl Panels {
@@ -64,7 +66,8 @@ impl Eight {
         self.strength[i] = lamp.strength;
         self.softening[i] = patch.softening();
         self.reach[i] = lamp.range * lamp.range;
-        self.back[i] = f32::from(u8::from(patch.two_sided));
+        (self.lean[i], self.flat[i], self.round[i]) =
+            (patch.shown.lean, patch.shown.flat, patch.shown.round);
     }
 
     fn illuminance(&self, point: Vec3, normal: Vec3) -> [f32; LANES] {
@@ -75,7 +78,8 @@ impl Eight {
             let square = dx * dx + dy * dy + dz * dz;
             let here = (normal.x * dx + normal.y * dy + normal.z * dz).max(0.0);
             let there = -(u[i] * dx + v[i] * dy + w[i] * dz);
-            let there = there.max(-there * self.back[i]);
+            let shown = self.lean[i] * there + self.flat[i] * there.abs();
+            let there = (shown + self.round[i] * square.sqrt()).max(0.0);
             let e = self.strength[i] * here * there / (square * (square + self.softening[i]));
             light[i] = if square <= self.reach[i] { e } else { 0.0 };
         }
@@ -86,7 +90,7 @@ impl Eight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::Patch;
+    use crate::light::{Patch, Shown};
     use chiaro_basis::random::unit;
     use chiaro_scene::LightKind;
 
@@ -100,7 +104,7 @@ mod tests {
             range: if i % 4 == 1 { 2.0 } else { f32::INFINITY },
             patch: (i % 5 != 3).then_some(Patch {
                 area: 0.3,
-                two_sided: i.is_multiple_of(3),
+                shown: [Shown::FRONT, Shown::BOTH, Shown::of_normals(0.2, 0.4)][i as usize % 3],
                 object: 0,
             }),
             ..Lamp::sun(vector(100 + i))

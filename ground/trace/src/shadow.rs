@@ -9,6 +9,8 @@
 //! guaranteed: shadows, or gaps in them, narrower than the samples are apart.
 
 use crate::gbuffer::GBuffer;
+use crate::glow::Glow;
+use crate::lamps::Lamps;
 use crate::light::{Arrival, Lamp};
 use crate::occlusion::FINE_ROWS;
 use crate::smooth::{Facet, lifted};
@@ -32,6 +34,7 @@ pub(crate) struct Shadows<'a> {
     tracer: &'a Tracer<'a>,
     buffer: &'a GBuffer,
     lamps: &'a [Lamp],
+    glow: &'a Glow,
     /// The lamps that stand for pieces of surfaces. Only these, each one of many, are known from few
     /// samples.
     pieces: u64,
@@ -71,10 +74,11 @@ impl<'a> Shadows<'a> {
     pub(crate) fn sample(
         tracer: &'a Tracer<'a>,
         buffer: &'a GBuffer,
-        lamps: &'a [Lamp],
+        lamps: &'a Lamps,
         run: &Run,
     ) -> Result<Self> {
         let mut shadows = Self::new(tracer, buffer, lamps);
+        let lamps = shadows.lamps;
         let pieces = shadows.pieces;
         let is_fine = buffer.size().1 > FINE_ROWS;
         if lamps.is_empty() || lamps.len() > MOST_LAMPS || !is_fine && pieces == 0 {
@@ -91,10 +95,11 @@ impl<'a> Shadows<'a> {
     }
 
     /// Nothing is sampled yet.
-    fn new(tracer: &'a Tracer<'a>, buffer: &'a GBuffer, lamps: &'a [Lamp]) -> Self {
+    fn new(tracer: &'a Tracer<'a>, buffer: &'a GBuffer, lamps: &'a Lamps) -> Self {
+        let (lamps, glow) = (lamps.all(), lamps.glow());
         let pieces = lamps.iter().take(MOST_LAMPS).enumerate().filter(|(_, l)| l.patch.is_some());
         let pieces = pieces.fold(0, |bits, (k, _)| bits | 1 << k);
-        Self { tracer, buffer, lamps, pieces, told: 0, mixes: false, samples: None }
+        Self { tracer, buffer, lamps, glow, pieces, told: 0, mixes: false, samples: None }
     }
 
     /// Puts samples so many pixels apart in the place of those that are there.
@@ -183,7 +188,7 @@ impl Around<'_, '_> {
             return self.dark >> lamp & 1 == 1;
         }
         let arrival = self.shadows.lamps[lamp].arrival(position);
-        arrival.is_none_or(|arrival| self.is_in_shadow(&arrival))
+        arrival.is_none_or(|arrival| self.is_in_shadow(lamp, &arrival))
     }
 
     /// The sampled lamps whose light does not reach the pixel, whichever way bumps turn it.
@@ -200,8 +205,8 @@ impl Around<'_, '_> {
     /// Whether something stands between the pixel's surface and the light. The ray starts on the smooth
     /// surface that the vertex normals span (Hanika 2021), or coarse meshes show saw-tooth
     /// terminators.
-    fn is_in_shadow(&self, arrival: &Arrival) -> bool {
-        let Shadows { tracer, buffer, .. } = self.shadows;
+    fn is_in_shadow(&self, lamp: usize, arrival: &Arrival) -> bool {
+        let Shadows { tracer, buffer, lamps, glow, .. } = self.shadows;
         let smooth = Vec3::from(buffer.smooth_normal[self.pixel]);
         if smooth.dot(arrival.towards) <= 0.0 {
             return true;
@@ -218,14 +223,15 @@ impl Around<'_, '_> {
         // To the very point, or the surface that shines would stand in its own way.
         let end = Vec3::from(buffer.position[self.pixel]) + arrival.towards * arrival.distance;
         let (direction, length) = (end - start).normalize_and_length();
-        tracer.occluded(&Ray { origin: start, direction, t_max: length * (1.0 - 1e-3) })
+        let ray = Ray { origin: start, direction, t_max: length * (1.0 - 1e-3) };
+        !glow.is_free(tracer, &ray, &lamps[lamp])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::Patch;
+    use crate::light::{Patch, Shown};
     use crate::surface::Surfaces;
     use crate::view::Framing;
     use chiaro_scene::{Playback, Poser, demo};
@@ -239,8 +245,8 @@ mod tests {
         let run = Run::default();
         let buffer = GBuffer::trace(&tracer, &surfaces, &pose, (300, 300), &run).unwrap();
         let sun = Lamp::key(&pose);
-        let lamps =
-            [sun, Lamp { patch: Some(Patch { area: 1.0, two_sided: false, object: 0 }), ..sun }];
+        let patch = Some(Patch { area: 1.0, shown: Shown::FRONT, object: 0 });
+        let lamps = Lamps::of(vec![sun, Lamp { patch, ..sun }]);
         let every = Shadows::new(&tracer, &buffer, &lamps);
         let mut few = Shadows { told: 3, mixes: true, ..Shadows::new(&tracer, &buffer, &lamps) };
         [8, 4, 2].into_iter().try_for_each(|step| few.refine(step, &run)).unwrap();

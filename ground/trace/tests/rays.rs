@@ -5,7 +5,7 @@ use chiaro_basis::random;
 use chiaro_scene::{
     Material, MaterialId, Mesh, MeshId, Node, NormalSource, Playback, Poser, Scene, Transform,
 };
-use chiaro_trace::{Glow, Ray, Sides, Surfaces, Tracer};
+use chiaro_trace::{Glow, Lamps, Ray, Sides, Surfaces, Tracer};
 use rayon::prelude::*;
 
 /// A sphere of `n` x 2 `n` quads, closed: vertices of the seam and of the poles are shared.
@@ -306,6 +306,60 @@ fn far_from_the_origin_rays_leave_the_surface_that_they_start_on() {
             let origin = met + normal * tracer.offset();
             let away = Ray { origin, direction: above.normalize(), t_max: f32::INFINITY };
             assert!(!tracer.occluded(&away), "{far}: {met}");
+        }
+    }
+}
+
+/// A shining ball of radius 1 at the origin, and a small dark one at `dark`.
+fn bulb_and(dark: Vec3) -> Scene {
+    let mut scene = scene(sphere(16, 0.0), &[place([0.0; 3], 0.0, [1.0; 3])]);
+    scene.materials =
+        vec![Material { emissive: [1.0; 3], ..Material::default() }, Material::default()];
+    let mut other = scene.meshes[0].clone();
+    other.materials.fill(MaterialId::new(1));
+    scene.meshes.push(other);
+    let mesh = Some(MeshId::new(1));
+    let transform = place(dark.as_dvec3().to_array(), 0.0, [0.1; 3]);
+    scene.nodes.push(Node { transform, mesh, ..Node::default() });
+    scene
+}
+
+/// Light from the far side of a bulb arrives through it, but not through what stands before it.
+#[test]
+fn what_shines_does_not_shade_itself() {
+    let scene = bulb_and(vec3(2.0, 0.0, 0.0));
+    let frame = Poser::new(&scene).frame(0.0, &Playback::default());
+    let tracer = Tracer::new(&scene, &frame);
+    let glow = Glow::of(&tracer, &Surfaces::new(&scene));
+    for lamp in glow.lamps(6) {
+        for (from, free) in [(vec3(3.0, 0.0, 0.0), false), (vec3(-3.0, 0.4, 0.2), true)] {
+            // To the middle of the bulb, or all of it would be seen past the small one.
+            let (direction, length) = (lamp.position * 0.01 - from).normalize_and_length();
+            let ray = Ray { origin: from, direction, t_max: length };
+            assert_eq!(glow.is_free(&tracer, &ray, &lamp), free, "{from}");
+            assert!(!Glow::default().is_free(&tracer, &ray, &lamp));
+        }
+    }
+}
+
+/// A bulb in a black and white picture lights a floor in circles, however it is parted into small lamps.
+#[test]
+fn a_bulb_lights_a_floor_in_circles() {
+    let scene = bulb_and(vec3(0.0, 30.0, 0.0));
+    let frame = Poser::new(&scene).frame(0.0, &Playback::default());
+    let glow = Glow::of(&Tracer::new(&scene, &frame), &Surfaces::new(&scene));
+    let lamps = Lamps::default().with(glow);
+    for radius in [8.0, 20.0] {
+        let light = |k: u32| {
+            let (sin, cos) = (std::f32::consts::TAU * k as f32 / 40.0).sin_cos();
+            let place = vec3(radius * cos, -1.5, radius * sin);
+            let arrivals = lamps.all().iter().filter_map(|l| l.arrival(place));
+            arrivals.map(|a| a.strength * a.towards.y.max(0.0)).sum::<f32>()
+        };
+        // A ball of radius 1 lights as a point of pi candela does.
+        let exact = std::f32::consts::PI * 1.5 / (1.5 * 1.5 + radius * radius).powf(1.5);
+        for k in 0..40 {
+            assert!((light(k) / exact - 1.0).abs() < 0.1, "{radius}, {k}: {} {exact}", light(k));
         }
     }
 }

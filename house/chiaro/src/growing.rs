@@ -103,7 +103,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("tree.pbgi");
         // No process has the highest number, and the first always lives.
-        let of = |id: u32| dir.path().join(format!(".tree.pbgi.{id}-0.part"));
+        let of = |id: u32| dir.path().join(format!(".tree.pbgi.{id}-old.part"));
         for id in [u32::MAX, 1, std::process::id()] {
             fs::write(of(id), b"half").unwrap();
         }

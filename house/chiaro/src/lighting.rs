@@ -9,12 +9,8 @@ use crate::project::Project;
 use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Result, Run};
 use chiaro_scene::Frame;
-use chiaro_trace::{GBuffer, Glow, Lamp, Surfaces, Tracer, channel};
+use chiaro_trace::{GBuffer, Glow, Lamp, Lamps, Surfaces, Tracer, channel};
 
-/// Lamps that stand for all surfaces that shine, at most.
-const PATCHES: usize = 24;
-/// Shining surfaces are left out beside lamps that are this many times as strong.
-const OUTSHONE: f32 = 1000.0;
 /// The share of what is seen that shining surfaces must reach to be the light of a scene.
 const LEAST_LIT: f32 = 0.25;
 /// The height of the picture on which that is measured.
@@ -60,22 +56,16 @@ impl Lighting {
     }
 
     /// The lamps of a frame.
-    pub(crate) fn lamps(&self, tracer: &Tracer, surfaces: &Surfaces) -> Vec<Lamp> {
+    pub(crate) fn lamps(&self, tracer: &Tracer, surfaces: &Surfaces) -> Lamps {
         match self {
-            Self::Sun(sun) => vec![*sun],
+            Self::Sun(sun) => Lamps::of(vec![*sun]),
             Self::Turning(sun, speed) => {
                 let turn = Quat::from_rotation_y(speed.to_radians() * tracer.frame.time as f32);
-                vec![Lamp { direction: turn * sun.direction, ..*sun }]
+                Lamps::of(vec![Lamp { direction: turn * sun.direction, ..*sun }])
             }
             Self::Scene { glow } => {
-                let mut lamps = Lamp::of_frame(tracer.frame);
-                if *glow {
-                    let strongest = lamps.iter().map(|l| l.strength).fold(0.0, f32::max);
-                    let patches = Glow::of(tracer, surfaces).lamps(PATCHES);
-                    let seen = |p: &Lamp| p.strength * OUTSHONE > strongest;
-                    lamps.extend(patches.into_iter().filter(seen));
-                }
-                lamps
+                let lamps = Lamps::of(Lamp::of_frame(tracer.frame));
+                if *glow { lamps.with(Glow::of(tracer, surfaces)) } else { lamps }
             }
         }
     }
@@ -90,8 +80,8 @@ fn reach(
     run: &Run,
 ) -> Result<f32> {
     let tracer = project.tracer(frame);
-    let lamps = Glow::of(&tracer, surfaces).lamps(PATCHES);
-    if lamps.is_empty() {
+    let lamps = Lamps::default().with(Glow::of(&tracer, surfaces));
+    if lamps.all().is_empty() {
         return Ok(0.0);
     }
     let size = camera.at_height(PROBE_HEIGHT).size;

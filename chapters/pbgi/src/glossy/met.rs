@@ -121,7 +121,7 @@ impl<T: Hierarchy> Looking<'_, '_, '_, T> {
         {
             return e;
         }
-        let e = lamp_irradiance(lit.tracer, at, &self.seer.lamps);
+        let e = lamp_irradiance((lit.tracer, &lit.lights.glow), at, &self.seer.lamps);
         self.last = Some((at.position, at.side, e));
         e
     }

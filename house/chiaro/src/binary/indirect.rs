@@ -12,7 +12,7 @@ use chiaro_image::Plane;
 use chiaro_image::colour::luminance;
 use chiaro_pbgi::{LightKnobs, Site, indirect, prepare, sites};
 use chiaro_scene::{Frame, Scene};
-use chiaro_trace::{Glow, Lights};
+use chiaro_trace::Lights;
 use std::sync::OnceLock;
 
 /// Times that light is reflected.
@@ -46,7 +46,8 @@ impl Reflections {
         occlusion: bool,
         run: &Run,
     ) -> Result<()> {
-        let lights = Lights { lamps: lit.lamps.to_vec(), glow: Glow::default(), sky: None };
+        let (lamps, glow) = (lit.lamps.single().to_vec(), lit.lamps.glow().clone());
+        let lights = Lights { lamps, glow, sky: None };
         let points =
             chiaro_pbgi::Lit { tracer: lit.tracer, surfaces: lit.surfaces, lights: &lights };
         let frame = lit.tracer.frame;
