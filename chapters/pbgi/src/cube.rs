@@ -33,7 +33,23 @@ pub struct Texel {
     pub place: [f32; 2],
     /// The share in which something nearer than the near field's radius is.
     pub near: f32,
+    /// Of all that, what lies far behind the rest.
+    pub back: Back,
 }
+
+/// What a texel shows through the gaps between splats, or beside what is nearer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Back {
+    /// Radiance times coverage.
+    pub light: [f32; 3],
+    /// The share that is covered.
+    pub coverage: f32,
+    /// Distance times coverage.
+    pub distance: f32,
+}
+
+/// What is so many times as far as the rest lies behind it.
+const BEHIND: f32 = 1.5;
 
 /// Directions and solid angles of a cube's texels.
 #[derive(Clone, Debug)]
@@ -265,6 +281,23 @@ impl CubeBuffer {
         }
     }
 
+    /// Takes a texel's light away.
+    pub(crate) fn blacken(&mut self, i: usize) {
+        (self.texels[i].light, self.texels[i].back.light) = ([0.0; 3], [0.0; 3]);
+    }
+
+    /// Takes away what lies far behind the rest of a texel, which then fills it.
+    pub(crate) fn close(&mut self, i: usize) {
+        let t = &mut self.texels[i];
+        let back = std::mem::take(&mut t.back);
+        let scale = 1.0 / (t.coverage - back.coverage);
+        (0..3).for_each(|c| t.light[c] = scale * (t.light[c] - back.light[c]).max(0.0));
+        t.distance = scale * (t.distance - back.distance);
+        let all = scale / t.coverage * (t.coverage - back.coverage);
+        (t.axis, t.place) = (t.axis * all, t.place.map(|p| p * all));
+        t.coverage = 1.0;
+    }
+
     /// Fills a texel with a flat piece of surface.
     #[cfg(test)]
     pub(crate) fn fill_flat(&mut self, i: usize, radiance: [f32; 3], distance: f32, axis: Vec3) {
@@ -389,6 +422,11 @@ impl Texel {
         }
         let share = share.min(1.0 - self.coverage);
         if share > 0.0 {
+            if splat.distance * self.coverage > BEHIND * self.distance {
+                self.back.coverage += share;
+                self.back.distance += share * splat.distance;
+                (0..3).for_each(|c| self.back.light[c] += share * splat.radiance[c]);
+            }
             self.coverage += share;
             self.distance += share * splat.distance;
             self.axis += splat.axis * share;

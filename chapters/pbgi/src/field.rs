@@ -11,6 +11,7 @@ use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::{Chooser, Splat};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
+use crate::veil::Veil;
 use chiaro_basis::math::Vec3;
 use chiaro_scene::Bounds;
 use chiaro_trace::{GBuffer, Vertex};
@@ -113,13 +114,13 @@ pub(crate) struct Gathering {
 }
 
 impl Field {
-    /// Gathers what lies beyond a ball; also the number of nodes visited.
+    /// Gathers what lies beyond a ball, as far as some receivers see it; also the number of nodes visited.
     pub(crate) fn gather<T: Hierarchy>(
         scene: &Prepared<T>,
         ball: Ball,
         how: &Gathering,
-        buffer: &mut CubeBuffer,
-        splats: &mut Vec<Splat>,
+        receivers: &[Vertex],
+        (buffer, splats): (&mut CubeBuffer, &mut Vec<Splat>),
     ) -> (Self, u64) {
         let near = if scene.knobs.near_field { ball.radius } else { 0.0 };
         let chooser = Chooser {
@@ -134,6 +135,7 @@ impl Field {
         splats.clear();
         let visited = scene.tree.cut(&chooser, splats);
         buffer.add_sorted(splats);
+        Veil { ball, tracer: scene.lit.tracer, receivers }.draw(buffer);
         (Self::of_buffer(buffer, ball, how), visited)
     }
 

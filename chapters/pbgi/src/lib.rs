@@ -79,6 +79,7 @@ pub mod stream;
 pub mod surfel;
 pub mod tile;
 pub mod tree;
+mod veil;
 pub mod wide;
 
 pub use coverage::coverage;

@@ -64,6 +64,8 @@ const TILE: usize = CALM.side;
 /// threshold may be lower: finer cuts are cheap, near rays are not.
 const LEAF_REACH: f32 = 2.5;
 const LEAF_TEXELS: f32 = 2.0;
+/// One in so many pixels asks what of a field is hidden.
+const VEIL_STEP: usize = 7;
 /// Pixels of a cluster at which leaves are looked for.
 const LEAF_PROBES: usize = 4;
 /// The share of hits among probing rays over which a tile is busy, and their number.
@@ -200,11 +202,14 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
                 let corner = (column * TILE + i % 2 * BUSY.side, row * TILE + i / 2 * BUSY.side);
                 let pixels = self.pixels(corner, BUSY.side);
                 for group in clusters(self.buffer, pixels, BUSY.side) {
-                    fields.push(self.field(self.ball(&group, BUSY), BUSY, work, &mut counts));
+                    let ball = self.ball(&group, BUSY);
+                    fields.push(self.field((ball, corner), BUSY, work, &mut counts));
                 }
             }
         } else {
-            fields[0] = balls.iter().map(|b| self.field(*b, CALM, work, &mut counts)).collect();
+            let corner = (column * TILE, row * TILE);
+            let field = |b: &Ball| self.field((*b, corner), CALM, work, &mut counts);
+            fields[0] = balls.iter().map(field).collect();
         }
         (Tile { busy, fields }, counts)
     }
@@ -238,7 +243,7 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
 
     fn field(
         &self,
-        ball: Ball,
+        (ball, corner): (Ball, Pixel),
         manner: Manner,
         work: &mut Workspace,
         counts: &mut [u64; 2],
@@ -250,10 +255,26 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         };
         let Workspace { calm, busy, splats } = work;
         let cube = if manner.side == BUSY.side { busy } else { calm };
-        let (field, visited) = Field::gather(self.scene, ball, &how, cube, splats);
+        let (field, visited) = Field::gather(
+            self.scene,
+            ball,
+            &how,
+            &self.some_in(&ball, corner, manner),
+            (cube, splats),
+        );
         counts[0] += 1;
         counts[1] += visited;
         field
+    }
+
+    /// Some of the pixels that mix a field: those in its ball, of its square and around it as far as half of its
+    /// side.
+    fn some_in(&self, ball: &Ball, (x, y): Pixel, manner: Manner) -> Vec<Vertex> {
+        let half = manner.side / 2;
+        let pixels = self.pixels((x.saturating_sub(half), y.saturating_sub(half)), 2 * manner.side);
+        let near = pixels.iter().filter(|p| ball.holds(self.buffer.position[**p].into()));
+        let vertex = |p: &Pixel| Vertex::of_pixel(self.scene.lit.tracer, self.buffer, *p);
+        near.step_by(VEIL_STEP).map(vertex).collect()
     }
 
     /// Whether many rays from a sixteenth of the pixels hit something in their cluster's ball.
