@@ -6,8 +6,9 @@
 //!    lesser side gives way.
 //!    Where lines grow, as in zooms, rigid textures fall behind by more the longer they are: that much of the
 //!    slope of r along a line is no contradiction, and left out.
-//! 3. Bundles of links from one line to another whose median residual exceeds the sliding limit
-//!    sigma are cut, and single links over three times that.
+//! 3. Runs of links from one line to another, parted where the residual leaps by more than the sliding limit
+//!    sigma, are cut if their median exceeds sigma, and single links over three times that: of a line that
+//!    is asked to be at two places one half may be had.
 //!
 //! What is left agrees, so that plain least squares at any weight has no reason to fold.
 //!
@@ -17,7 +18,7 @@
 use super::energy::{Energy, Factors, Weights};
 use super::failed;
 use super::grow::Growth;
-use super::net::{Link, Net};
+use super::net::Net;
 use chiaro_basis::{Result, Run};
 use std::collections::BTreeMap;
 
@@ -114,11 +115,17 @@ impl Robust<'_> {
 
 /// 1 for links that agree by their residuals in pixels, 0 for those that do not.
 pub(crate) fn trusted(net: &Net, residual: &[f64], sigma: f64) -> Vec<f64> {
-    let bundled = net.links.iter().zip(residual).map(|(link, r)| (link.lines, r.abs()));
-    let median = medians(bundled);
-    let agrees =
-        |(link, r): (&Link, &f64)| r.abs() <= SINGLE * sigma && median[&link.lines] <= sigma;
-    net.links.iter().zip(residual).map(|l| if agrees(l) { 1.0 } else { 0.0 }).collect()
+    let mut runs = Vec::with_capacity(residual.len());
+    let mut run = [0; 2];
+    for (i, (link, r)) in net.links.iter().zip(residual).enumerate() {
+        let goes_on =
+            i > 0 && net.links[i - 1].lines == link.lines && (residual[i - 1] - r).abs() <= sigma;
+        run = if goes_on { run } else { [i as u32, 0] };
+        runs.push(run);
+    }
+    let median = medians(runs.iter().copied().zip(residual.iter().map(|r| r.abs())));
+    let agrees = |(run, r): (&[u32; 2], &f64)| r.abs() <= SINGLE * sigma && median[run] <= sigma;
+    runs.iter().zip(residual).map(|l| if agrees(l) { 1.0 } else { 0.0 }).collect()
 }
 
 /// The median of each bundle's numbers, by what it joins.
@@ -186,4 +193,29 @@ pub(crate) fn all(net: &Net, energy: &Energy, scale: &[f64], period: &[Option<f6
     let trust = vec![1.0; net.links.len()];
     let residual = vec![0.0; net.links.len()];
     Kept { trust, wraps, cut: 0, cut_length: 0.0, residual, u }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::net::Link;
+    use super::*;
+
+    #[test]
+    fn of_a_line_that_is_asked_to_be_at_two_places_one_half_is_trusted() {
+        let link = |from: u32| Link {
+            from,
+            to: [20 + from, 21 + from],
+            share: 0.0,
+            around: false,
+            lines: [0, 1],
+            weight: 3.0,
+        };
+        let links: Vec<Link> = (0..9).map(link).collect();
+        let net = Net { lines: Vec::new(), frames: Vec::new(), links, unknowns: 30 };
+        let halves: Vec<f64> = (0..9).map(|k| if k < 6 { 12.0 } else { -2.0 }).collect();
+        assert_eq!(trusted(&net, &halves, 8.0), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+        // What stretches by and by is one run.
+        let slope: Vec<f64> = (0..9).map(|k| 3.0 * f64::from(k) - 12.0).collect();
+        assert_eq!(trusted(&net, &slope, 8.0), [1.0; 9]);
+    }
 }
