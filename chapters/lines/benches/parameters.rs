@@ -157,12 +157,13 @@ fn turn(
 
 fn methods(found: &Film, knobs: &LinesKnobs) {
     println!(
-        "  {:<10} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>8} {:>7} {:>6} {:>6} {:>6} {:>7} {:>6} {:>6} {:>7} {:>6}",
+        "  {:<10} {:>8} {:>7} {:>7} {:>7} {:>7} {:>6} {:>6} {:>8} {:>7} {:>6} {:>6} {:>6} {:>7} {:>6} {:>6} {:>7} {:>6}",
         "method",
         "slide",
         "over 2",
         "jumps",
         "texture",
+        "own",
         "pops",
         "gaps",
         "stretch",
@@ -189,12 +190,13 @@ fn methods(found: &Film, knobs: &LinesKnobs) {
         let bytes = MOST.load(Relaxed) - before;
         let (q, m) = (quality(&film), measure(&film));
         println!(
-            "  {:<10} {:>8.3} {:>6.2}% {:>6.2}% {:>6.2}% {:>6.1} {:>6.1} {:>8.3} {:>6.2}% {:>6} {:>6} {:>5.2}% {:>7} {:>6.1} {:>6.4} {:>7.1} {:>6.1}",
+            "  {:<10} {:>8.3} {:>6.2}% {:>6.2}% {:>6.2}% {:>6.2}% {:>6.1} {:>6.1} {:>8.3} {:>6.2}% {:>6} {:>6} {:>5.2}% {:>7} {:>6.1} {:>6.4} {:>7.1} {:>6.1}",
             format!("{method:?}"),
             q.slide_p95,
             100.0 * q.slide_over_2,
             100.0 * q.jumps,
             100.0 * q.texture_jumps,
+            100.0 * q.line_jumps,
             q.ink_pop_p99,
             q.gap_p95,
             q.stretch_p95,

@@ -6,7 +6,7 @@
 use crate::film::{Film, FilmFrame};
 use crate::gap::between;
 use crate::parameter::near::Near;
-use crate::parameter::net::{AGREES, DEPTH, REACH, direction, goes_on, material};
+use crate::parameter::net::{AGREES, DEPTH, REACH, direction, goes_on, is_mere_end, material};
 use crate::stroke::Stroke;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -40,6 +40,10 @@ pub struct Quality {
     /// Share of length that slides by more than 8 px or finds another texture: where lines merge, split,
     /// open and close, noise and marks go on under another id.
     pub texture_jumps: f64,
+    /// Of the length whose line is still seen a frame later, by its partner along the surface that lines sweep
+    /// ([`Film::partners`]): the share that slides by more than 8 px there, or has another id though its line neither
+    /// joined another nor came off one. The others ask what is nearest, be it another line that passes there.
+    pub line_jumps: f64,
     /// Share of frame pairs of which a fifth jumps.
     pub broken_pairs: f64,
     /// 95th percentile of what u misses where a line goes on behind what hides it: beside an even texture
@@ -82,6 +86,8 @@ fn jumping<'a>(slides: impl Iterator<Item = &'a Slide>, keeps: impl Fn(&Slide) -
 #[derive(Default)]
 struct Pair {
     slides: Vec<Slide>,
+    /// Length that goes on along its own line, and whether it jumps.
+    own: Vec<(f64, bool)>,
     /// The longest stretch of line that turns from ink to paper or back.
     pop: f64,
     /// For each id before and after, the length that is seen.
@@ -103,6 +109,17 @@ struct Flow {
 }
 
 impl Flow {
+    /// Of a stroke of a frame and one of the next, by index.
+    fn of(film: &Film, frames: [&FilmFrame; 2], index: [u32; 2]) -> Self {
+        let strokes = [0, 1].map(|k| &frames[k].strokes[index[k] as usize]);
+        Self {
+            ids: strokes.map(|s| s.id),
+            strokes: [0, 1].map(|k| whole(strokes[k], index[k])),
+            lines: [0, 1].map(|k| film.line_of(frames[k], strokes[k])),
+            is_edge: strokes[0].kind.is_edge(),
+        }
+    }
+
     /// Whether it joins a line that goes on under its own id, or comes off one, on the surface and not by what
     /// passes before it: an end, or a beginning, that is an event.
     fn is_event(&self, flows: &BTreeMap<Self, f64>, beginning: bool) -> bool {
@@ -119,8 +136,12 @@ impl Flow {
 
 /// Measures the seen strokes of a film.
 pub fn quality(film: &Film) -> Quality {
-    let windows = film.frames.par_windows(2).filter(|p| !p[1].begins);
-    let pairs: Vec<Pair> = windows.map(|p| pair(film, [&p[0], &p[1]])).collect();
+    let windows = film.frames.par_windows(2).enumerate().filter(|(_, p)| !p[1].begins);
+    let found = windows.map(|(f, p)| {
+        let found = pair(film, [&p[0], &p[1]]);
+        Pair { own: own_slides(film, f), ..found }
+    });
+    let pairs: Vec<Pair> = found.collect();
     let is_broken = |p: &&Pair| jumping(p.slides.iter(), |s| s.keeps_id) >= BROKEN;
     let broken = pairs.iter().filter(is_broken).count();
     let all = || pairs.iter().flat_map(|p| &p.slides);
@@ -132,6 +153,7 @@ pub fn quality(film: &Film) -> Quality {
         slide_over_2: share(all().map(|s| (s.length, s.pixels > SEEN))),
         jumps: jumping(all(), |s| s.keeps_id),
         texture_jumps: jumping(all(), |s| s.keeps_texture),
+        line_jumps: share(pairs.iter().flat_map(|p| p.own.iter().copied())),
         gap_p95: percentile(film.frames.iter().flat_map(gaps).map(|g| (g, 1.0)).collect(), 0.95),
         ink_pop_p99: percentile(pairs.iter().map(|p| (p.pop, 1.0)).collect(), 0.99),
         broken_pairs: if pairs.is_empty() { 0.0 } else { broken as f64 / pairs.len() as f64 },
@@ -188,18 +210,8 @@ fn pair(film: &Film, [here, next]: [&FilmFrame; 2]) -> Pair {
             let Some(hit) = hit.filter(|h| h.beyond == 0.0) else { continue };
             let other = there[hit.segment.stroke as usize];
             let k = hit.segment.first as usize;
-            let u = other.u[k] + (other.u[k + 1] - other.u[k]) * hit.share;
-            let mut du = u - stroke.u[j];
-            let periods = [stroke, other].into_iter().filter_map(Stroke::begins_anew);
-            for period in periods.filter(|p| *p > LEAST_PERIOD) {
-                du -= (du / period).round() * period;
-            }
-            let flow = Flow {
-                ids: [stroke.id, other.id],
-                strokes: [whole(stroke, i), whole(other, hit.segment.stroke)],
-                lines: [film.line_of(here, stroke), film.line_of(next, other)],
-                is_edge: stroke.kind.is_edge(),
-            };
+            let du = moved([stroke, other], j, (k, hit.share));
+            let flow = Flow::of(film, [here, next], [i, hit.segment.stroke]);
             *pair.flows.entry(flow).or_default() += weight;
             let scale = 0.5 * (stroke.pixels_per_u + other.pixels_per_u);
             pair.slides.push(Slide {
@@ -215,6 +227,46 @@ fn pair(film: &Film, [here, next]: [&FilmFrame; 2]) -> Pair {
         }
     }
     pair
+}
+
+/// How u at a place of a stroke, a segment and a share of it, differs from u at a sample of the one before; whole
+/// turns are no difference.
+fn moved([stroke, other]: [&Stroke; 2], j: usize, (k, share): (usize, f64)) -> f64 {
+    let mut du = other.u[k] + (other.u[k + 1] - other.u[k]) * share - stroke.u[j];
+    let periods = [stroke, other].into_iter().filter_map(Stroke::begins_anew);
+    for period in periods.filter(|p| *p > LEAST_PERIOD) {
+        du -= (du / period).round() * period;
+    }
+    du
+}
+
+/// The length of a frame whose line is seen in the next, sample by sample, and whether it jumps there.
+fn own_slides(film: &Film, f: usize) -> Vec<(f64, bool)> {
+    let (here, next) = (&film.frames[f], &film.frames[f + 1]);
+    let (mut slides, mut flows) = (Vec::new(), BTreeMap::new());
+    for (i, (stroke, partners)) in (0..).zip(here.strokes.iter().zip(film.partners(f))) {
+        let weight = stroke.total() / stroke.samples.len() as f64;
+        for (j, partner) in partners.into_iter().enumerate() {
+            let Some(partner) = partner.filter(|p| p.distance <= REACH) else { continue };
+            let other = &next.strokes[partner.stroke as usize];
+            let k = partner.segment as usize;
+            let way = other.samples[(k + 1) % other.samples.len()].at - other.samples[k].at;
+            // Where one side of a thorn is left out the other is no place to be.
+            let goes_on = way.normalize_or_zero().dot(direction(stroke, j)) > AGREES;
+            if !goes_on || is_mere_end(&partner, other) {
+                continue;
+            }
+            let du = moved([stroke, other], j, (k, partner.share));
+            let pixels = 0.5 * (stroke.pixels_per_u + other.pixels_per_u) * du.abs();
+            let flow = Flow::of(film, [here, next], [i, partner.stroke]);
+            *flows.entry(flow).or_default() += weight;
+            slides.push((weight, pixels > JUMP, flow));
+        }
+    }
+    let renamed = |flow: &Flow| {
+        flow.ids[0] != flow.ids[1] && ![false, true].iter().any(|b| flow.is_event(&flows, *b))
+    };
+    slides.iter().map(|(weight, jumps, flow)| (*weight, *jumps || renamed(flow))).collect()
 }
 
 /// What u misses at each gap of a frame, pixels.
@@ -269,12 +321,13 @@ fn percentile(mut items: Vec<(f64, f64)>, at: f64) -> f64 {
 
 impl Quality {
     /// Names and values for records.
-    pub fn named(&self) -> [(&'static str, f64); 12] {
+    pub fn named(&self) -> [(&'static str, f64); 13] {
         [
             ("slide_p95_px", self.slide_p95),
             ("slide_over_2px", self.slide_over_2),
             ("jump_share", self.jumps),
             ("texture_jump_share", self.texture_jumps),
+            ("line_jump_share", self.line_jumps),
             ("broken_pairs_share", self.broken_pairs),
             ("gap_p95_px", self.gap_p95),
             ("ink_pop_p99_px", self.ink_pop_p99),

@@ -135,11 +135,18 @@ fn what_is_renamed_is_counted() {
     let mut film = torus_film(8, 1.5);
     let (_, q) = solve(&mut film, &plain());
     assert_eq!(q.untrue_changes, 0.0);
-    assert!(q.renamed < 0.002, "{q:?}");
+    assert!(q.renamed < 0.002 && q.line_jumps < 0.002, "{q:?}");
+    // Half a texture further from the middle on.
+    let mut moved = film.clone();
+    let strokes = moved.frames[4..].iter_mut().flat_map(|f| &mut f.strokes);
+    strokes.flat_map(|s| &mut s.u).for_each(|u| *u += 0.5);
+    let q = chiaro_lines::quality(&moved);
+    assert!(q.line_jumps > 0.1 && q.line_jumps < 0.2, "{q:?}");
     // From the middle on everything has another name: one pair of frames of seven.
     film.frames[4..].iter_mut().flat_map(|f| &mut f.strokes).for_each(|s| s.id += 1000);
     let q = chiaro_lines::quality(&film);
     assert!(q.renamed > 0.1 && q.renamed < 0.2, "{q:?}");
+    assert!(q.line_jumps > 0.1 && q.line_jumps < 0.2, "{q:?}");
     assert!(q.untrue_changes >= 2.0 / 7.0, "{q:?}");
 }
 
