@@ -95,6 +95,26 @@ fn no_joint_bend_or_crossing_is_darker_or_open() {
 }
 
 #[test]
+fn grain_is_no_denser_where_a_line_lies_over_itself() {
+    let zigzag: Vec<[f32; 2]> =
+        (0..20).map(|i| [12.0 + 3.0 * i as f32, if i % 2 == 0 { 50.0 } else { 66.0 }]).collect();
+    let straight = vec![[10.0, 60.0], [110.0, 60.0]];
+    for grain in ["charcoal", "pencil", "bristle", "wash"] {
+        let brush =
+            |grain: &str| brush(&[("width", "10"), ("grain", grain), ("grain_size", "1.3")]);
+        let density = |points: &[[f32; 2]]| {
+            let line = spine(points, 0.0);
+            let ink = |grain: &str| {
+                draw(&[(&line, &brush(grain))], (120, 120)).pixels().iter().sum::<f32>()
+            };
+            ink(grain) / ink("solid")
+        };
+        let more = density(&zigzag) / density(&straight);
+        assert!((0.85..1.1).contains(&more), "{grain}: {more} times as dense");
+    }
+}
+
+#[test]
 fn a_loop_does_not_show_where_it_closes() {
     for sets in [
         &[("width", "7"), ("pressure", "0.8"), ("grain", "charcoal"), ("rough", "1")][..],

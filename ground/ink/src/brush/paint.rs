@@ -3,9 +3,9 @@
 //! 1. Every stroke becomes ribbons, every ribbon mitred pieces; pieces are sorted into tiles.
 //! 2. In a tile the bands of lines that hide others are laid down: rims of paper, and haloes as the
 //!    depth of the nearest band.
-//! 3. Stroke after stroke, the greatest coverage of a ribbon's pieces counts, so that no joint, bend or
-//!    crossing of a stroke with itself is darker. Ribbons of one stroke (hairs, passes) are apart: two that
-//!    share a pixel cover what either leaves free. What lies behind a halo is left out.
+//! 3. Stroke after stroke, the piece of a ribbon inside whose border a pixel lies deepest has it, so that no
+//!    joint, bend or crossing of a stroke with itself is darker. Ribbons of one stroke (hairs, passes) are apart:
+//!    two that share a pixel cover what either leaves free. What lies behind a halo is left out.
 //!
 //! A pixel depends on the strokes and their order alone, not on threads.
 
@@ -139,8 +139,8 @@ struct Tile {
     pixels: Vec<[f32; 4]>,
     cover: Vec<f32>,
     depth: Vec<f32>,
-    /// Coverage and depth by one ribbon, and where that is not 0.
-    own: Vec<[f32; 2]>,
+    /// Coverage and depth by one ribbon and how far inside its border, and where it covers at all.
+    own: Vec<[f32; 3]>,
     touched: Vec<usize>,
     /// Depth and coverage of the nearest band.
     front: Vec<[f32; 2]>,
@@ -157,7 +157,7 @@ impl Tile {
             pixels: (0..TILE * TILE).map(pixel).collect(),
             cover: vec![0.0; TILE * TILE],
             depth: vec![0.0; TILE * TILE],
-            own: vec![[0.0; 2]; TILE * TILE],
+            own: vec![[0.0, 0.0, f32::NEG_INFINITY]; TILE * TILE],
             touched: Vec::new(),
             front: Vec::new(),
         }
@@ -233,23 +233,28 @@ impl Tile {
                 continue;
             }
             let tear = if torn { inking.tear(&strip.axis, hit.u, hit.across > 0.0) } else { 0.0 };
-            let mut cover = hit.cover(tear.max(-0.8 * hit.half));
-            if cover > self.own[i][0] && !even {
+            let tear = tear.max(-0.8 * hit.half);
+            let (mut cover, inside) = (hit.cover(tear), hit.inside(tear));
+            let before = self.own[i][2];
+            // The darker of two grains would make every tight turn a blot.
+            if cover <= 0.0 || inside <= before {
+                continue;
+            }
+            if !even {
                 cover *= inking.over_a_pixel(&strip.axis, &place(&hit, strip));
             }
-            if cover > self.own[i][0] {
-                if self.own[i][0] == 0.0 {
-                    self.touched.push(i);
-                }
-                self.own[i] = [cover, hit.depth];
+            if before == f32::NEG_INFINITY {
+                self.touched.push(i);
             }
+            self.own[i] = [cover, hit.depth, inside];
         }
     }
 
     /// Adds what a ribbon covers to what the stroke covers: ribbons lie in a pixel as chance has it.
     fn unite(&mut self) {
         for i in self.touched.drain(..) {
-            let [cover, depth] = std::mem::take(&mut self.own[i]);
+            let nothing = [0.0, 0.0, f32::NEG_INFINITY];
+            let [cover, depth, _] = std::mem::replace(&mut self.own[i], nothing);
             if cover > self.cover[i] {
                 self.depth[i] = depth;
             }
