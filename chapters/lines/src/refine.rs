@@ -4,7 +4,8 @@
 //! The error of a silhouette grows with the edges that it crosses. Their lengths in the picture are
 //! gathered on a few frames; a shape is refined until those that are short enough make up four fifths of
 //! their length: long edges carry most of a silhouette, and fine twigs beside a coarse crown are no
-//! reason to leave that as it is.
+//! reason to leave that as it is. Where that makes many faces, they go to the shapes whose silhouettes
+//! gain most by each.
 
 use crate::film::{Ground, Reel};
 use crate::knob::LinesKnobs;
@@ -17,8 +18,10 @@ use chiaro_scene::Frame;
 const LOOKS: usize = 5;
 /// Share of the length of crossed edges that must be of short ones.
 const MOST: f64 = 0.8;
-/// Most faces that refinement may lead to.
-const FACES: usize = 1_000_000;
+/// Faces that refinement may lead to, and those it may where it is worth it.
+const FACES: [usize; 2] = [400_000, 2_000_000];
+/// What a face must take away to be worth it, square pixels.
+const WORTH: f64 = 5.0;
 
 /// How closely the lines of a shot follow each shape of its frames; `ground` is not refined.
 pub(crate) fn details(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> Vec<Detail> {
@@ -31,7 +34,14 @@ pub(crate) fn details(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> V
     }
     let wanted: Vec<f64> = lengths.iter_mut().map(|l| halvings(l, knobs)).collect();
     let level = |wanted: &f64| wanted.clamp(0.0, f64::from(knobs.subdivide)) as u8;
-    let levels = affordable(wanted.iter().map(level).collect(), ground, &(reel.at)(0).0);
+    let mut faces = vec![0usize; lengths.len()];
+    let frame = (reel.at)(0).0;
+    for source in &ground.surface.sources {
+        faces[frame.objects[source.object as usize].shape] += 1;
+    }
+    let error = |l: &Vec<f64>| l.iter().map(|l| l * l).sum();
+    let errors: Vec<f64> = lengths.iter().map(error).collect();
+    let levels = affordable(&wanted.iter().map(level).collect::<Vec<u8>>(), &faces, &errors);
     let detail = |(levels, wanted): (u8, &f64)| Detail { levels, facets: *wanted > 0.0 };
     levels.into_iter().zip(&wanted).map(detail).collect()
 }
@@ -71,19 +81,26 @@ fn halvings(lengths: &mut [f64], knobs: &LinesKnobs) -> f64 {
     long.map_or(0.0, |long| (long / f64::from(knobs.subdivide_edge)).log2().ceil())
 }
 
-/// Takes levels away while there would be too many faces.
-fn affordable(mut levels: Vec<u8>, ground: &Ground, frame: &Frame) -> Vec<u8> {
-    let mut faces = vec![0usize; levels.len()];
-    for source in &ground.surface.sources {
-        faces[frame.objects[source.object as usize].shape] += 1;
+/// As many levels as there may be faces for, those first that take most error away for a face. A level leaves a
+/// quarter of the error, which goes by the square of the length of crossed edges, and makes four faces of one.
+fn affordable(wanted: &[u8], faces: &[usize], errors: &[f64]) -> Vec<u8> {
+    let mut levels = vec![0u8; wanted.len()];
+    let mut all: usize = faces.iter().sum();
+    let cost = |shape: usize, level: u8| faces[shape].saturating_mul(3 << (2 * level));
+    loop {
+        let worth = |shape: usize| {
+            errors[shape] / 4f64.powi(levels[shape].into()) / cost(shape, levels[shape]) as f64
+        };
+        let fits = |shape: &usize| {
+            let total = all.saturating_add(cost(*shape, levels[*shape]));
+            let most = FACES[usize::from(worth(*shape) >= WORTH)];
+            levels[*shape] < wanted[*shape] && total <= most
+        };
+        let best = (0..wanted.len()).filter(fits).max_by(|a, b| worth(*a).total_cmp(&worth(*b)));
+        let Some(best) = best else { return levels };
+        all += cost(best, levels[best]);
+        levels[best] += 1;
     }
-    let total = |levels: &[u8]| -> usize {
-        faces.iter().zip(levels).map(|(f, l)| f.saturating_mul(1 << (2 * l))).sum()
-    };
-    while total(&levels) > FACES.max(faces.iter().sum()) {
-        levels.iter_mut().for_each(|l| *l = l.saturating_sub(1));
-    }
-    levels
 }
 
 #[cfg(test)]
@@ -103,5 +120,17 @@ mod tests {
         fine.push(100.0);
         assert!(halvings(&mut fine, &knobs) <= 0.0);
         assert_eq!(halvings(&mut [], &knobs), 0.0);
+    }
+
+    #[test]
+    fn faces_go_where_they_take_most_error_away() {
+        // A crowd of fine stones, and a crown of few large leaves.
+        let faces = [300_000, 10_000];
+        assert_eq!(affordable(&[2, 2], &faces, &[1e4, 1e7]), [0, 2]);
+        assert_eq!(affordable(&[2, 2], &faces, &[1e7, 1e6]), [1, 1]);
+        // Few faces cost little.
+        assert_eq!(affordable(&[1, 1], &[50_000, 20_000], &[1.0, 1.0]), [1, 1]);
+        // More than there may be is left as it is.
+        assert_eq!(affordable(&[2, 1], &[2_000_000, 10], &[1e9, 1.0]), [0, 0]);
     }
 }
