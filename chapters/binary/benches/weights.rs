@@ -42,7 +42,7 @@ fn report(view: &View) {
     let covered = &view.buffer.covered;
     let views = std::slice::from_ref(view);
     let exposure = expose(views, true, &knobs, &run).expect("nobody cancels");
-    let difference = terminal(&view.channels, covered, &exposure, &knobs);
+    let difference = terminal(view, &exposure, &knobs);
     let factors = neighbour_factors(&view.buffer, &knobs);
     let graph = Graph::new(covered, &difference, &factors, &knobs);
     let labels = graph.solve().expect("weights are small");
@@ -50,9 +50,8 @@ fn report(view: &View) {
 
     let pixels = covered.pixels().iter().filter(|c| **c).count();
     time("tone", pixels, || mixed_tone(&view.channels, covered, &knobs));
-    let all = time("terminal weights, tone included", pixels, || {
-        terminal(&view.channels, covered, &exposure, &knobs)
-    });
+    let all =
+        time("terminal weights, flat faces included", pixels, || terminal(view, &exposure, &knobs));
     time("mean normals", pixels, || {
         filter::gaussian_covered3(
             &view.buffer.normal,

@@ -86,9 +86,7 @@ impl Method {
         let above = |plane: &Plane<f32>, t: f32| plane.map(|v| *v >= t);
         let height = covered.height();
         let white = match self {
-            Self::Threshold => {
-                above(&terminal(&view.channels, covered, exposure, knobs), f32::MIN_POSITIVE)
-            }
+            Self::Threshold => above(&terminal(view, exposure, knobs), f32::MIN_POSITIVE),
             Self::Otsu => above(&tone, statistics::otsu(&tone, covered)),
             Self::GaussianOtsu => {
                 let soft = filter::gaussian_covered(&tone, covered, scaled(2.9, height));

@@ -18,6 +18,7 @@ mod compose;
 mod cut;
 mod exposure;
 mod film;
+mod flat;
 mod flicker;
 mod geometry;
 mod halo;

@@ -210,8 +210,7 @@ fn tone_difference(
     knobs: &BinaryKnobs,
     paint: Option<&Paint>,
 ) -> Plane<f32> {
-    let covered = &view.buffer.covered;
-    let difference = terminal(&view.channels, covered, exposure, &knobs.for_tones(count));
+    let difference = terminal(view, exposure, &knobs.for_tones(count));
     match paint {
         Some(paint) => paint.mixed(&difference),
         None => difference,

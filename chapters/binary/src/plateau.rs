@@ -59,7 +59,7 @@ pub(crate) fn off_plateaus(
     let mut tones = Tones::default();
     for (view, factors) in views.iter().zip(factors) {
         let covered = &view.buffer.covered;
-        let lean = terminal(&view.channels, covered, &neutral, knobs).map(|d| d / g);
+        let lean = terminal(view, &neutral, knobs).map(|d| d / g);
         let pairs = lean.pixels().iter().zip(covered.pixels());
         tones.all.extend(pairs.filter(|(_, c)| **c).map(|(d, _)| d));
         let seen = mixed_tone(&view.channels, covered, knobs).map(|t| exposure.stretch(*t));
@@ -82,7 +82,7 @@ pub(crate) fn steps(
     let mut seen = Tones::default();
     for (view, factors) in views.iter().zip(factors) {
         let covered = &view.buffer.covered;
-        let lean = terminal(&view.channels, covered, exposure, knobs);
+        let lean = terminal(view, exposure, knobs);
         let pairs = lean.pixels().iter().zip(covered.pixels());
         seen.all.extend(pairs.filter(|(_, c)| **c).map(|(d, _)| d));
         let tone = mixed_tone(&view.channels, covered, knobs).map(|t| exposure.stretch(*t));

@@ -99,9 +99,7 @@ pub fn prepare(
     run: &Run,
 ) -> Result<Prepared> {
     let pixels = view.buffer.covered.len() as u64;
-    let difference = run.stage("weights", pixels, || {
-        terminal(&view.channels, &view.buffer.covered, exposure, knobs)
-    });
+    let difference = run.stage("weights", pixels, || terminal(&view, exposure, knobs));
     run.check()?;
     let view = without_channels(view);
     let features = run.stage("lines", pixels, || Features::find(&view.buffer, knobs));
@@ -187,7 +185,7 @@ impl Prepared {
 pub fn weigh(view: &View, exposure: &Exposure, knobs: &BinaryKnobs, run: &Run) -> Result<Weights> {
     let covered = &view.buffer.covered;
     let weights = run.stage("weights", covered.len() as u64, || {
-        let difference = terminal(&view.channels, covered, exposure, knobs);
+        let difference = terminal(view, exposure, knobs);
         let factors = neighbour_factors(&view.buffer, knobs);
         let graph = Graph::new(covered, &difference, &factors, knobs);
         Weights { difference, factors, graph }
@@ -288,7 +286,7 @@ impl Survey<'_> {
         for (view, factors) in self.views.iter().zip(&self.factors) {
             self.run.check()?;
             let covered = &view.buffer.covered;
-            let difference = terminal(&view.channels, covered, exposure, self.knobs);
+            let difference = terminal(view, exposure, self.knobs);
             let labels = Graph::new(covered, &difference, factors, self.knobs).solve()?;
             let count = covered.pixels().iter().filter(|c| **c).count();
             all += count;

@@ -5,18 +5,19 @@
 
 use crate::appearance::{Channel, Channels};
 use crate::exposure::{Exposure, local_contrast, local_mean, mixed_tone};
+use crate::flat::Flats;
 use crate::knob::{BinaryKnobs, Model};
+use crate::shade::View;
 use chiaro_image::{Plane, Runs};
+use chiaro_trace::GBuffer;
 
 /// W - B per covered pixel; positive pulls to white.
-pub fn terminal(
-    channels: &Channels,
-    covered: &Plane<bool>,
-    exposure: &Exposure,
-    knobs: &BinaryKnobs,
-) -> Plane<f32> {
+pub fn terminal(view: &View, exposure: &Exposure, knobs: &BinaryKnobs) -> Plane<f32> {
+    let (channels, covered) = (&view.channels, &view.buffer.covered);
     match knobs.model {
-        Model::Tone => from_tone(mixed_tone(channels, covered, knobs), covered, exposure, knobs),
+        Model::Tone => {
+            from_tone(mixed_tone(channels, covered, knobs), &view.buffer, exposure, knobs)
+        }
         Model::Thesis => {
             let shift = exposure.threshold - Exposure::default().threshold;
             let sum = from_channels(channels, covered, knobs);
@@ -28,25 +29,29 @@ pub fn terminal(
 /// g (T - t) + (1 - g) clamp(A' / (4 rms A'), -1/2, 1/2) of the mixed tone, with T after levels.
 fn from_tone(
     mut tone: Plane<f32>,
-    covered: &Plane<bool>,
+    buffer: &GBuffer,
     exposure: &Exposure,
     knobs: &BinaryKnobs,
 ) -> Plane<f32> {
+    let covered = &buffer.covered;
     let (runs, g, threshold) = (Runs::of(covered), knobs.global, exposure.threshold);
     runs.change(&mut tone, |_, _, tone| tone.iter_mut().for_each(|t| *t = exposure.stretch(*t)));
+    let flats = Flats::of(buffer);
+    let mut difference = tone.clone();
     if g >= 1.0 {
-        runs.change(&mut tone, |_, _, tone| tone.iter_mut().for_each(|t| *t -= threshold));
-        return tone;
+        runs.change(&mut difference, |_, _, d| d.iter_mut().for_each(|d| *d -= threshold));
+    } else {
+        let mean = local_mean(&tone, covered, knobs.local_radius);
+        let scale = 0.25 / exposure.contrast;
+        runs.change(&mut difference, |y, run, d| {
+            for (d, mean) in d.iter_mut().zip(&mean.row(y)[run]) {
+                let local = (scale * (*d - mean)).clamp(-0.5, 0.5);
+                *d = g * (*d - threshold) + (1.0 - g) * local;
+            }
+        });
     }
-    let mean = local_mean(&tone, covered, knobs.local_radius);
-    let scale = 0.25 / exposure.contrast;
-    runs.change(&mut tone, |y, run, tone| {
-        for (t, mean) in tone.iter_mut().zip(&mean.row(y)[run]) {
-            let local = (scale * (*t - mean)).clamp(-0.5, 0.5);
-            *t = g * (*t - threshold) + (1.0 - g) * local;
-        }
-    });
-    tone
+    flats.even(&mut difference, &tone);
+    difference
 }
 
 /// The thesis's sum: sum of w_i W_i - b_i B_i with W_i and B_i of (3.5). Its small constant that

@@ -2,7 +2,7 @@
 
 use chiaro_basis::math::{Vec3, vec3};
 use chiaro_binary::{
-    BinaryKnobs, Channel, Channels, CurvatureForm, DepthForm, Exposure, Graph, Model, angle,
+    BinaryKnobs, Channel, Channels, CurvatureForm, DepthForm, Exposure, Graph, Model, View, angle,
     depth_step, local_contrast, neighbour_factors, terminal,
 };
 use chiaro_image::Plane;
@@ -66,7 +66,7 @@ fn roof(degrees: f32) -> GBuffer {
 #[test]
 fn the_thesis_sum_is_w_times_tone_minus_b_times_shade() {
     let tone = Plane::from_fn(8, 1, |x, _| x as f32 / 7.0);
-    let covered = Plane::filled(8, 1, true);
+    let flat = buffer((8, 1), |x, y| Some((vec3(x, y, 0.0), Vec3::Z)));
     let knobs = BinaryKnobs {
         model: Model::Thesis,
         diffuse_w: 1.5,
@@ -74,14 +74,14 @@ fn the_thesis_sum_is_w_times_tone_minus_b_times_shade() {
         diffuse_g: 1.0,
         ..BinaryKnobs::default()
     };
-    let channels = Channels::single(Channel::Diffuse, tone.clone());
-    let difference = terminal(&channels, &covered, &Exposure::default(), &knobs);
+    let view = View { buffer: flat, channels: Channels::single(Channel::Diffuse, tone.clone()) };
+    let difference = terminal(&view, &Exposure::default(), &knobs);
     for (a, d) in tone.pixels().iter().zip(difference.pixels()) {
         assert!((d - (1.5 * a - 0.5 * (1.0 - a))).abs() < 1e-6);
     }
     // With g = 0 only the sign of the local contrast counts.
     let local = BinaryKnobs { diffuse_g: 0.0, diffuse_w: 1.0, diffuse_b: 1.0, ..knobs };
-    let difference = terminal(&channels, &covered, &Exposure::default(), &local);
+    let difference = terminal(&view, &Exposure::default(), &local);
     assert!(difference[(0, 0)] < 0.0 && difference[(7, 0)] > 0.0);
 }
 
@@ -90,7 +90,7 @@ fn raising_w_whitens_monotonically() {
     let tone = Plane::from_fn(40, 40, |x, y| ((x * 7 + y * 13) % 40) as f32 / 40.0);
     let covered = Plane::filled(40, 40, true);
     let flat = buffer((40, 40), |x, y| Some((vec3(x, y, 0.0), Vec3::Z)));
-    let channels = Channels::single(Channel::Diffuse, tone);
+    let view = View { buffer: flat, channels: Channels::single(Channel::Diffuse, tone) };
     let mut before = Plane::filled(40, 40, false);
     for w in [0.2, 0.4, 0.6, 0.8, 1.2] {
         let knobs = BinaryKnobs {
@@ -99,8 +99,8 @@ fn raising_w_whitens_monotonically() {
             diffuse_b: 0.5,
             ..BinaryKnobs::default()
         };
-        let difference = terminal(&channels, &covered, &Exposure::default(), &knobs);
-        let factors = neighbour_factors(&flat, &knobs);
+        let difference = terminal(&view, &Exposure::default(), &knobs);
+        let factors = neighbour_factors(&view.buffer, &knobs);
         let labels = Graph::new(&covered, &difference, &factors, &knobs).solve().unwrap();
         assert_eq!(labels.flow, labels.cut);
         let pairs = before.pixels().iter().zip(labels.white.pixels());
