@@ -62,7 +62,7 @@ knobs! {
         luminance: f32 = 0.2, Number { min: 0.0, max: 1.0 }, "", "", "share of the base colour's lightness in the tone";
         indirect: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "share of light that surfaces send each other in the tone (scenes only)";
         occlusion_radius: f32 = 0.6, Number { min: 0.001, max: 10.0 }, "", "R", "reach of ambient occlusion";
-        occlusion_rays: u32 = 8, Count { min: 1, max: 256 }, "", "rays", "occlusion rays a pixel; sixteen times as many directions count";
+        occlusion_rays: u32 = 8, Count { min: 1, max: 256 }, "", "rays", "occlusion rays a sample; sixty-four times as many directions count";
         gloss: f32 = 0.0, Number { min: 0.0, max: 1.0 }, "", "", "roughness of highlights; 0: the material's";
 
         global: f32 = 0.35, Number { min: 0.0, max: 1.0 }, "g (3.5)", "", "global tone against local contrast";
