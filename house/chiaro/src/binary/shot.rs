@@ -20,6 +20,9 @@ use serde_json::{Map, Value, json};
 const SURVEY_FRAMES: usize = 5;
 pub(crate) const SURVEY_HEIGHT: usize = 240;
 
+/// Pixels that a survey must see before it says that a place is without light: a sliver may lie in one shadow.
+const LEAST_SEEN: usize = 2000;
+
 /// What does not change over a shot.
 pub struct Shot<'a> {
     pub(crate) project: &'a Project,
@@ -75,7 +78,9 @@ impl<'a> Shot<'a> {
         };
         let lit = views(true)?;
         let reach = lit.iter().map(|v| v.channels.reach).fold(0.0, f32::max);
-        if reach >= LEAST_REACH {
+        let covered = lit.iter().flat_map(|v| v.buffer.covered.pixels());
+        let seen = covered.filter(|c| **c).count();
+        if reach >= LEAST_REACH || seen < LEAST_SEEN {
             return expose(&lit, true, &self.knobs, run);
         }
         run.warn("hardly any light gets in: shadows are left out");
