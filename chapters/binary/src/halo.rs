@@ -47,7 +47,7 @@ fn step(
 ) -> Option<(Pixel, (isize, isize))> {
     let q = (p.0 + dx as usize, p.1 + dy as usize);
     let inside = q.0 < buffer.size().0 && q.1 < buffer.size().1;
-    if !inside || !buffer.covered[p] || !buffer.covered[q] || !finder.is_step(p, q) {
+    if !inside || !buffer.covered[p] || !buffer.covered[q] || !finder.hides(p, q) {
         return None;
     }
     Some(if buffer.depth[p] <= buffer.depth[q] { (p, (dx, dy)) } else { (q, (-dx, -dy)) })
