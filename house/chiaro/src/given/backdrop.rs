@@ -7,13 +7,15 @@
 //!    found takes the median's place, and what is like that is found in its turn. What is burnt
 //!    white says only that the cubic is as bright there.
 //! 4. Grain and walls are no backdrop: what is found must not be ragged, and be flat where normals are
-//!    known. Specks in it are part of it.
+//!    known. Normals that go on across its border tell shadows that fall on it: what is darker in its
+//!    own hue and faces as it does is part of it. Where they still go on, in one hue, it is no backdrop,
+//!    but a floor or a thing. Specks in it are part of it.
 //!
 //! Left out, it is paper, and light and shade are divided over the things themselves. Where nothing
 //! but colours is known, dark backdrops stay: they may be the night.
 
 use chiaro_image::Plane;
-use chiaro_image::colour::srgb_encode;
+use chiaro_image::colour::{srgb_decode, srgb_encode};
 use chiaro_image::labels::components;
 use chiaro_solve::{Normal, Rows};
 
@@ -27,6 +29,14 @@ const OF_PICTURE: [f32; 2] = [0.15, 0.98];
 const RAGGED: f32 = 0.25;
 /// Share of a backdrop whose normals differ by no more than this from their median, at least.
 const FLAT: [f32; 2] = [0.8, 0.3];
+/// Normals that differ by no more than this go on from pixel to pixel.
+const GOES_ON: f32 = 0.1;
+/// The share of a backdrop's border where they do, at most, before shadows are looked for and after.
+const GONE_ON: [f32; 2] = [0.12, 0.4];
+/// The light that a shadow leaves, at least, and how much that may differ from channel to channel.
+const SHADOW: [f32; 2] = [0.1, 0.2];
+/// How far the normals of a shadow may be from those of what it falls on, which stereo by shading bends there.
+const FACES: f32 = 0.5;
 /// Smaller pieces within a backdrop are specks, in pixels of a picture of 480 rows.
 const SPECK: f32 = 8.0;
 /// Displayed brightness from which a backdrop is paper.
@@ -77,6 +87,19 @@ pub(super) fn backdrop(
         return None;
     }
     fill_specks(&mut reached);
+    if let Some(normals) = normals.filter(|normals| gone_on(normals, &shown, &reached) > GONE_ON[0])
+    {
+        let shaded = Shadows { shade: shade.as_ref(), median, normal: facing(normals, &reached)? };
+        let marks = Plane::from_fn(shown.width(), shown.height(), |x, y| {
+            let p = (x, y);
+            reached[p] || shaded.hold(p, shown[p], normals[p])
+        });
+        reached = self::reached(&marks, &frame);
+        fill_specks(&mut reached);
+        if gone_on(normals, &shown, &reached) > GONE_ON[1] {
+            return None;
+        }
+    }
     let of_picture = share(reached.pixels().iter().filter(|r| **r).count(), reached.len());
     let is_part = (OF_PICTURE[0]..=OF_PICTURE[1]).contains(&of_picture);
     (is_part && of_frame(&reached) >= OF_FRAME[1]).then_some(reached)
@@ -127,16 +150,61 @@ fn is_ragged(marks: &Plane<bool>) -> bool {
 
 /// Whether most of the marked pixels that have normals face one way.
 fn is_flat(normals: &Plane<[f32; 3]>, marks: &Plane<bool>) -> bool {
+    let Some(middle) = facing(normals, marks) else { return true };
+    let is_near = |n: &[f32; 3]| n.iter().zip(middle).all(|(a, m)| (a - m).abs() <= FLAT[1]);
+    let pairs = normals.pixels().iter().zip(marks.pixels());
+    let known = pairs.filter(|(n, m)| **m && **n != [0.0; 3]).map(|(n, _)| is_near(n));
+    let (near, all) =
+        known.fold((0, 0), |(near, all), is_near| (near + u32::from(is_near), all + 1));
+    near as f32 >= FLAT[0] * all as f32
+}
+
+/// The median normal of the marked pixels that have some.
+fn facing(normals: &Plane<[f32; 3]>, marks: &Plane<bool>) -> Option<[f32; 3]> {
     let pairs = normals.pixels().iter().zip(marks.pixels());
     let known: Vec<[f32; 3]> =
         pairs.filter(|(n, m)| **m && **n != [0.0; 3]).map(|(n, _)| *n).collect();
-    if known.is_empty() {
-        return true;
+    (!known.is_empty()).then(|| median(known.into_iter()))
+}
+
+/// What is darker than the backdrop in its own hue, and faces as it does.
+struct Shadows<'a> {
+    shade: Option<&'a Shade>,
+    median: [f32; 3],
+    normal: [f32; 3],
+}
+
+impl Shadows<'_> {
+    fn hold(&self, pixel: (usize, usize), colour: [f32; 3], normal: [f32; 3]) -> bool {
+        let ground = self.shade.map_or(self.median, |shade| shade.at(pixel));
+        let faces = normal.iter().zip(self.normal).all(|(n, m)| (n - m).abs() <= FACES);
+        faces && shade_of(colour, ground).is_some_and(|share| (SHADOW[0]..1.5).contains(&share))
     }
-    let middle = median(known.iter().copied());
-    let is_near = |n: &[f32; 3]| n.iter().zip(middle).all(|(a, m)| (a - m).abs() <= FLAT[1]);
-    let near = known.iter().filter(|n| is_near(n)).count();
-    near as f32 >= FLAT[0] * known.len() as f32
+}
+
+/// The share of light that one displayed colour has of another of the same hue.
+fn shade_of(colour: [f32; 3], of: [f32; 3]) -> Option<f32> {
+    let (colour, of) = (colour.map(srgb_decode), of.map(srgb_decode));
+    let shares: [f32; 3] = std::array::from_fn(|c| colour[c].max(1e-3) / of[c].max(1e-3));
+    let mean = shares.iter().sum::<f32>() / 3.0;
+    shares.iter().all(|share| (share - mean).abs() <= SHADOW[1] * mean).then_some(mean)
+}
+
+/// The share of the border of the marked pixels across which normals go on in one hue.
+fn gone_on(normals: &Plane<[f32; 3]>, shown: &Plane<[f32; 3]>, marks: &Plane<bool>) -> f32 {
+    let (w, h) = marks.size();
+    let pixels = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
+    let pairs = pixels.flat_map(|(x, y)| [((x, y), (x + 1, y)), ((x, y), (x, y + 1))]);
+    let (mut all, mut near) = (0u32, 0u32);
+    for (p, q) in pairs.filter(|(_, q)| q.0 < w && q.1 < h) {
+        let (n, m) = (normals[p], normals[q]);
+        if marks[p] != marks[q] && n != [0.0; 3] && m != [0.0; 3] {
+            all += 1;
+            let faces = n.iter().zip(m).all(|(a, b)| (a - b).abs() <= GOES_ON);
+            near += u32::from(faces && shade_of(shown[p], shown[q]).is_some());
+        }
+    }
+    near as f32 / all.max(1) as f32
 }
 
 /// Marks small pieces of what is not marked.
@@ -233,8 +301,9 @@ mod tests {
         let found = backdrop(&disc(0.95, 0.2), None).unwrap();
         assert!(found[(0, 0)] && !found[(25, 15)] && !found[(20, 15)]);
         assert!(backdrop(&disc(0.0, 0.5), None).is_none(), "night");
-        let flat = disc(0.0, 0.5).map(|_| [0.0, 0.0, 1.0]);
-        assert!(backdrop(&disc(0.0, 0.5), Some(&flat)).is_some());
+        let normals =
+            disc(0.0, 0.5).map(|p| if p[0] > 0.2 { [0.6, 0.0, 0.8] } else { [0.0, 0.0, 1.0] });
+        assert!(backdrop(&disc(0.0, 0.5), Some(&normals)).is_some());
     }
 
     #[test]
@@ -253,6 +322,34 @@ mod tests {
         let found = backdrop(&grain(0.01), None).unwrap();
         let ground = |i: usize| (i % 400 < 80 || i % 400 > 320) && i / 400 > 0;
         assert!((0..120_000).filter(|i| ground(*i)).all(|i| found.pixels()[i]), "specks");
+    }
+
+    #[test]
+    fn shadows_are_part_of_a_backdrop_and_what_goes_on_into_things_is_none() {
+        let disc = disc(0.95, 0.2);
+        let is_thing = |p: (usize, usize)| disc[p][0] < 0.9;
+        let floor = disc.map(|p| if p[0] < 0.9 { [0.6, 0.0, 0.8] } else { [0.0, 0.0, 1.0] });
+        // A strip to its right, which lies on the floor.
+        let strip = |colour: [f32; 3]| {
+            Plane::from_fn(40, 30, |x, y| {
+                let is_strip = (24..36).contains(&x) && (12..18).contains(&y) && !is_thing((x, y));
+                let [r, g, b] = colour;
+                if is_strip { [r, g, b, 1.0] } else { disc[(x, y)] }
+            })
+        };
+        let paper = backdrop(&disc, Some(&floor)).unwrap();
+        assert_eq!(backdrop(&strip([0.25; 3]), Some(&floor)).unwrap(), paper);
+        let found = backdrop(&strip([0.5, 0.05, 0.05]), Some(&floor)).unwrap();
+        assert!(!found[(33, 15)] && found[(38, 15)], "a red sheet of paper");
+        // A ball of the floor's own colour, lit from the left.
+        let ball = Plane::from_fn(40, 30, |x, y| {
+            let v = if is_thing((x, y)) { 0.95 - 0.04 * (x as f32 - 10.0) } else { 0.95 };
+            [v, v, v, 1.0]
+        });
+        let smooth = Plane::from_fn(40, 30, |x, y| {
+            if is_thing((x, y)) { [0.05 * (x as f32 - 20.0), 0.0, 0.8] } else { [0.0, 0.0, 1.0] }
+        });
+        assert!(backdrop(&ball, Some(&smooth)).is_none());
     }
 
     #[test]
