@@ -8,7 +8,7 @@ use crate::stroke::{Sample, Stroke};
 use std::collections::BTreeMap;
 
 /// Pieces are no shorter than this, pixels.
-const SHORTEST: f64 = 8.0;
+const SHORTEST: f64 = 11.0;
 /// What is left out on either side of a cut, so that points beside it stay on their side, pixels.
 const TRIM: f64 = 0.5;
 /// Samples nearer than this to an end give way to it, pixels.
