@@ -5,7 +5,7 @@
 //!    may differ, since the buffer is a full sphere. Where probing rays show that much is near, the
 //!    tile is busy: it is done in quarters.
 //! 2. Each cluster has a field: a cube buffer with what lies beyond the radius D around its centre
-//!    (`field`).
+//!    (`field`). Rays tell which of its bright texels no pixel sees (`veil`).
 //! 3. A pixel mixes the fields of the four tiles (or quarters) around it by its place between their
 //!    centres, so that tiles do not show. Its far irradiance is the sum over texels of radiance
 //!    times its own cosine; on a plane it is computed at every fourth pixel and interpolated.
