@@ -224,7 +224,8 @@ impl Around<'_, '_> {
         let end = Vec3::from(buffer.position[self.pixel]) + arrival.towards * arrival.distance;
         let (direction, length) = (end - start).normalize_and_length();
         let ray = Ray { origin: start, direction, t_max: length * (1.0 - 1e-3) };
-        !glow.is_free(tracer, &ray, &lamps[lamp])
+        let is_round = lamps[lamp].patch.is_some_and(|p| p.shown.round > 0.0);
+        if is_round { !glow.is_free(tracer, &ray, &lamps[lamp]) } else { tracer.occluded(&ray) }
     }
 }
 
