@@ -6,7 +6,7 @@
 //! the length, `--set key=value` any knob, `--global` leaves the other methods out, `--coherence` a row
 //! for each of its values, `--live` the frames a second of the interactive variant (row L8) instead.
 //!
-//! The thesis's timing, 20 000 vertices over 100 frames in 5 s, is `bumpy-torus --frames 100`: 0.7 s on
+//! The thesis's timing, 20 000 vertices over 100 frames in 5 s, is `bumpy-torus --frames 100`: 0.6 s on
 //! two cores, links and cuts included.
 
 #![allow(clippy::print_stdout)]
