@@ -118,7 +118,8 @@ impl Flats {
                     let bins = &mut bins[part.face];
                     for x in part.samples.clone() {
                         let p = (x * self.side, y * self.side);
-                        let bin = &mut bins[(tone[p] * (BINS - 1) as f32 + 0.5) as usize % BINS];
+                        let step = (tone[p] * (BINS - 1) as f32 + 0.5) as usize;
+                        let bin = &mut bins[step.min(BINS - 1)];
                         *bin = [bin[0] + weights[p], bin[1] + 1.0];
                     }
                 }

@@ -255,21 +255,19 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         };
         let Workspace { calm, busy, splats } = work;
         let cube = if manner.side == BUSY.side { busy } else { calm };
-        let (field, visited) = Field::gather(
-            self.scene,
-            ball,
-            &how,
-            &self.some_in(&ball, corner, manner),
-            (cube, splats),
-        );
+        let some = self.some_in(&ball, corner, manner);
+        let (field, visited) = Field::gather(self.scene, ball, &how, &some, (cube, splats));
         counts[0] += 1;
         counts[1] += visited;
         field
     }
 
     /// Some of the pixels that mix a field: those in its ball, of its square and around it as far as half of its
-    /// side.
+    /// side. None where no rays look into the ball: then nothing in it hides anything.
     fn some_in(&self, ball: &Ball, (x, y): Pixel, manner: Manner) -> Vec<Vertex> {
+        if !self.scene.knobs.near_field {
+            return Vec::new();
+        }
         let half = manner.side / 2;
         let pixels = self.pixels((x.saturating_sub(half), y.saturating_sub(half)), 2 * manner.side);
         let near = pixels.iter().filter(|p| ball.holds(self.buffer.position[**p].into()));
