@@ -7,6 +7,8 @@
 //! where what is dark for its place is to be seen, stay as they are.
 
 use crate::knob::scaled;
+use chiaro_basis::Sets;
+use chiaro_basis::math::smoothstep;
 use chiaro_image::Plane;
 use chiaro_trace::GBuffer;
 use rayon::prelude::*;
@@ -79,7 +81,10 @@ impl Flats {
                     let from = part.samples.start.max(other.samples.start);
                     let to = part.samples.end.min(other.samples.end);
                     let goes_on = |x| upper.is_one_plane(x, &lower, x);
-                    sets.join_if(part.face, other.face, || (from..to).any(goes_on));
+                    let is_apart = sets.root(part.face) != sets.root(other.face);
+                    if is_apart && (from..to).any(goes_on) {
+                        sets.join(part.face, other.face);
+                    }
                 }
             }
         }
@@ -139,7 +144,7 @@ impl Flats {
 
 /// Gives the faces that count numbers, and drops the others; how flat each is.
 fn numbered(rows: &mut [Vec<Part>], sets: &mut Sets, smallest: f32) -> Vec<f32> {
-    let mut sums = vec![[0.0f32; 2]; sets.0.len()];
+    let mut sums = vec![[0.0f32; 2]; sets.len()];
     for part in rows.iter_mut().flatten() {
         part.face = sets.root(part.face);
         let sum = &mut sums[part.face];
@@ -170,7 +175,7 @@ fn numbered(rows: &mut [Vec<Part>], sets: &mut Sets, smallest: f32) -> Vec<f32> 
 fn kernel() -> [[f32; 2]; BINS] {
     std::array::from_fn(|apart| {
         let apart = apart as f32 / (BINS - 1) as f32;
-        [ONE, AROUND].map(|[near, far]| smooth((far - apart) / (far - near)))
+        [ONE, AROUND].map(|[near, far]| smoothstep([far, near], apart))
     })
 }
 
@@ -204,12 +209,7 @@ fn looked_up(bins: &Bins, tone: f32) -> [f32; 2] {
 
 /// How much is made of a share of pixels.
 fn share(of: f32) -> f32 {
-    smooth((of - LEAST_SHARE) / (FULL_SHARE - LEAST_SHARE))
-}
-
-fn smooth(t: f32) -> f32 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    smoothstep([LEAST_SHARE, FULL_SHARE], of)
 }
 
 /// How rows are parted.
@@ -297,32 +297,6 @@ impl<'a> Row<'a> {
 #[inline(always)]
 fn apart(a: [f32; 3], b: [f32; 3]) -> f32 {
     (a[0] - b[0]).abs().max((a[1] - b[1]).abs()).max((a[2] - b[2]).abs())
-}
-
-/// Parts that belong together, each with another of its face, or itself.
-#[derive(Default)]
-struct Sets(Vec<usize>);
-
-impl Sets {
-    fn add(&mut self) -> usize {
-        self.0.push(self.0.len());
-        self.0.len() - 1
-    }
-
-    fn root(&mut self, mut at: usize) -> usize {
-        while self.0[at] != at {
-            self.0[at] = self.0[self.0[at]];
-            at = self.0[at];
-        }
-        at
-    }
-
-    fn join_if(&mut self, a: usize, b: usize, joins: impl FnOnce() -> bool) {
-        let (a, b) = (self.root(a), self.root(b));
-        if a != b && joins() {
-            self.0[a.max(b)] = a.min(b);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -6,8 +6,7 @@
 //! that lies: light that grazes a receiver does not come from the middle of the texel above its plane.
 
 use crate::cut::Splat;
-use crate::sight::smooth;
-use chiaro_basis::math::Vec3;
+use chiaro_basis::math::{Vec3, smoothstep};
 
 /// The faces of a cube with texels that hold radiance.
 #[derive(Clone, Debug)]
@@ -386,13 +385,14 @@ impl CubeBuffer {
         if t.coverage <= 0.0 || t.coverage >= 1.0 {
             return 0.0;
         }
-        let goes_on =
-            smooth(SOME, t.coverage) * smooth(SOME, t.near) * smooth(GOES_ON, t.coverage + t.near);
-        let full = smooth(NEARLY_FULL, t.coverage);
+        let goes_on = smoothstep(SOME, t.coverage)
+            * smoothstep(SOME, t.near)
+            * smoothstep(GOES_ON, t.coverage + t.near);
+        let full = smoothstep(NEARLY_FULL, t.coverage);
         if goes_on >= 1.0 || full <= 0.0 {
             goes_on
         } else {
-            goes_on.max(full * smooth(CLOSED, self.around(texel)))
+            goes_on.max(full * smoothstep(CLOSED, self.around(texel)))
         }
     }
 

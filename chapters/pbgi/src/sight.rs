@@ -7,7 +7,7 @@ use crate::cut::{Chooser, FLAT, Faces, LEAST_AREA, Splat};
 use crate::packed::{FAN, Means};
 use crate::payload::Sent;
 use crate::tree::Node;
-use chiaro_basis::math::{Vec3, vec3};
+use chiaro_basis::math::{Vec3, smoothstep, vec3};
 
 /// How a node is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl Chooser {
             return None;
         }
         let length = node.axis.length();
-        let flatness = if self.flat { smooth(FLAT, length) } else { 0.0 };
+        let flatness = if self.flat { smoothstep(FLAT, length) } else { 0.0 };
         let cosine = -(node.axis / length).dot(direction);
         let marks = distance <= self.near;
         Some(Sight { direction, distance, axis: node.axis, flatness, cosine, marks })
@@ -74,7 +74,7 @@ impl Chooser {
             let length = square.sqrt();
             let away = nx[k] * dx + ny[k] * dy + nz[k] * dz >= 0.0;
             cosine[k] = -(nx[k] / length * ux + ny[k] / length * uy + nz[k] / length * uz);
-            flatness[k] = smooth(FLAT, length);
+            flatness[k] = smoothstep(FLAT, length);
             (direction[0][k], direction[1][k], direction[2][k]) = (ux, uy, uz);
             distance[k] = long;
             above[k] = u32::from(ux * up.x + uy * up.y + uz * up.z > least) << k;
@@ -144,10 +144,4 @@ impl Sight {
     ) -> Option<Splat> {
         self.splat(node_area, sent, |side| (faces.area[side], faces.radiance[side]))
     }
-}
-
-/// From 0 to 1 between two edges.
-pub(crate) fn smooth([low, high]: [f32; 2], x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

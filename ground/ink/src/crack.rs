@@ -10,6 +10,7 @@
 use crate::fit::{Fit, fit};
 use crate::join::{Piece, joined};
 use crate::path::Point;
+use chiaro_basis::Sets;
 use chiaro_image::Plane;
 
 /// How lines are fitted, in pixels.
@@ -179,23 +180,15 @@ fn component_lengths(chains: &[Chain], wide: usize) -> Vec<f32> {
     corners.sort_unstable();
     corners.dedup();
     let index = |corner: usize| corners.binary_search(&corner).expect("every end is listed");
-    let mut parent: Vec<usize> = (0..corners.len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut sets = Sets::new(corners.len());
     for [a, b] in &ends {
-        let (a, b) = (root(&mut parent, index(*a)), root(&mut parent, index(*b)));
-        parent[a.max(b)] = a.min(b);
+        sets.join(index(*a), index(*b));
     }
     let mut totals = vec![0.0f32; corners.len()];
     for (chain, [a, _]) in chains.iter().zip(&ends) {
-        totals[root(&mut parent, index(*a))] += (chain.len() - 1) as f32;
+        totals[sets.root(index(*a))] += (chain.len() - 1) as f32;
     }
-    ends.iter().map(|[a, _]| totals[root(&mut parent, index(*a))]).collect()
+    ends.iter().map(|[a, _]| totals[sets.root(index(*a))]).collect()
 }
 
 fn smoothed(chain: &Chain, rounds: usize) -> Polyline {

@@ -14,6 +14,7 @@
 
 use crate::fit::{Fit, fit};
 use crate::{Path, Point};
+use chiaro_basis::Sets;
 use chiaro_image::Plane;
 use chiaro_image::labels::{Components, Piece, components_by_sides};
 use std::collections::HashMap;
@@ -90,26 +91,19 @@ const STEPS: [(isize, isize); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
 /// The number of the region that each piece belongs to, and the regions without their rings.
 fn joined_pieces(pieces: &Components<u8>, cracks: &Cracks) -> (Vec<usize>, Vec<Region>) {
-    let mut parent: Vec<usize> = (0..pieces.pieces.len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut sets = Sets::new(pieces.pieces.len());
     let (w, h) = cracks.labels.size();
     for (x, y) in (1..h).flat_map(|y| (1..w).map(move |x| (x, y))) {
         let Some(label) = cracks.joined((x, y)) else { continue };
         let is = cracks.labels[(x, y)] == label;
         let ends = if is { [(x, y), (x - 1, y - 1)] } else { [(x - 1, y), (x, y - 1)] };
-        let [a, b] = ends.map(|p| root(&mut parent, pieces.ids[p] as usize));
-        parent[a.max(b)] = a.min(b);
+        let [a, b] = ends.map(|p| pieces.ids[p] as usize);
+        sets.join(a, b);
     }
     let mut regions: Vec<Region> = Vec::new();
-    let mut numbers = vec![0; parent.len()];
+    let mut numbers = vec![0; sets.len()];
     for (i, Piece { label, area, .. }) in pieces.pieces.iter().enumerate() {
-        let first = root(&mut parent, i);
+        let first = sets.root(i);
         if first == i {
             numbers[i] = regions.len();
             regions.push(Region { label: *label, area: 0, rings: Vec::new() });

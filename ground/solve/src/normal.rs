@@ -7,6 +7,7 @@
 //!    runs on one thread, so that sums have one order.
 
 use crate::rows::Rows;
+use chiaro_basis::Sets;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
@@ -139,17 +140,16 @@ struct Known<'a> {
 
 /// Unknowns and rows of each part, and each unknown's number within its part.
 fn parts_of(rows: &Rows) -> (Vec<Vec<u32>>, Vec<Vec<u32>>, Vec<u32>) {
-    let mut parent: Vec<u32> = (0..rows.unknowns() as u32).collect();
+    let mut sets = Sets::new(rows.unknowns());
     for r in 0..rows.len() {
         for pair in rows.row(r).windows(2) {
-            let (a, b) = (root(&mut parent, pair[0].0), root(&mut parent, pair[1].0));
-            parent[a.max(b) as usize] = a.min(b);
+            sets.join(pair[0].0 as usize, pair[1].0 as usize);
         }
     }
-    let (mut part, mut local) = (vec![u32::MAX; parent.len()], vec![0; parent.len()]);
+    let (mut part, mut local) = (vec![u32::MAX; sets.len()], vec![0; sets.len()]);
     let mut members: Vec<Vec<u32>> = Vec::new();
-    for i in 0..parent.len() as u32 {
-        let r = root(&mut parent, i) as usize;
+    for i in 0..sets.len() as u32 {
+        let r = sets.root(i as usize);
         if part[r] == u32::MAX {
             part[r] = members.len() as u32;
             members.push(Vec::new());
@@ -166,14 +166,6 @@ fn parts_of(rows: &Rows) -> (Vec<Vec<u32>>, Vec<Vec<u32>>, Vec<u32>) {
         }
     }
     (members, equations, local)
-}
-
-fn root(parent: &mut [u32], mut x: u32) -> u32 {
-    while parent[x as usize] != x {
-        parent[x as usize] = parent[parent[x as usize] as usize];
-        x = parent[x as usize];
-    }
-    x
 }
 
 /// The pairs of entries of a row, each as (column, row) of the lower triangle.

@@ -17,7 +17,7 @@ use crate::panels::Panels;
 use crate::shadow::Shadows;
 use crate::surface::Surfaces;
 use crate::tracer::{Ray, Sides, Tracer};
-use chiaro_basis::math::Vec3;
+use chiaro_basis::math::{Vec3, smoothstep};
 use chiaro_basis::{Result, Run};
 use chiaro_image::{Plane, colour};
 
@@ -206,11 +206,8 @@ pub fn reflection(
 
 /// The studio's luminance in a direction: a floor, a horizon, a softbox.
 fn studio(direction: Vec3) -> f32 {
-    let smooth = |a: f32, b: f32, x: f32| {
-        let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
-    };
-    0.1 + 0.35 * smooth(-0.1, 0.1, direction.y) + 0.55 * smooth(0.45, 0.6, direction.y)
+    let height = direction.y;
+    0.1 + 0.35 * smoothstep([-0.1, 0.1], height) + 0.55 * smoothstep([0.45, 0.6], height)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! - [`Run`]: seed, cancellation and progress, handed down to everything that takes time.
 //! - [`random`]: randomness that depends on a seed and an index, never on an order.
 //! - [`reduce`]: parallel sums of fixed shape, the same bits for any number of threads.
+//! - [`Sets`]: numbers that belong together.
 //! - [`typed_id!`]: indices that cannot be mixed up.
 //! - [`knobs!`]: the one table of a chapter's parameters, read by command line, styles and manual.
 //! - [`Error`]: what went wrong, sorted by who can act.
@@ -14,10 +15,12 @@ mod knob;
 pub mod random;
 pub mod reduce;
 mod run;
+mod sets;
 
 pub use error::{Error, Result};
 pub use knob::{Knob, KnobKind, KnobValue, Knobs, Value, nearest};
 pub use run::{Cancel, Observer, Run};
+pub use sets::Sets;
 
 /// The vector and matrix types of the workspace. One crate re-exports them, so that a change of
 /// the underlying library is a change in one place.
@@ -26,4 +29,10 @@ pub mod math {
         Affine3A, BVec3, DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, IVec2, Mat3, Mat4, Quat,
         Vec2, Vec3, Vec3A, Vec4, dvec3, vec2, vec3,
     };
+
+    /// From 0 to 1 between two edges, level at both; falling where the first edge is the greater.
+    pub fn smoothstep([from, to]: [f32; 2], x: f32) -> f32 {
+        let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    }
 }

@@ -13,6 +13,7 @@
 //! Either at every event, or only where lines of different ids meet.
 
 use super::net::{Link, Net};
+use chiaro_basis::Sets;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A stretch below this length is no part of its own, pixels.
@@ -256,23 +257,14 @@ pub(crate) fn components(net: &Net, trust: &[f64], ids: &[u32]) -> Vec<u32> {
     for (link, trust) in net.links.iter().zip(trust) {
         *bundles.entry(link.lines).or_insert(0.0) += trust * link.weight;
     }
-    let mut parent: Vec<u32> = (0..net.lines.len() as u32).collect();
+    let mut sets = Sets::new(net.lines.len());
     let linked = bundles.into_iter().filter(|(_, weight)| *weight >= PART).map(|(lines, _)| lines);
     let mut first: BTreeMap<u32, u32> = BTreeMap::new();
     let named = (0u32..).zip(ids).map(|(l, id)| [*first.entry(*id).or_insert(l), l]);
-    for lines in linked.chain(named) {
-        let [a, b] = lines.map(|l| root(&mut parent, l));
-        parent[a.max(b) as usize] = a.min(b);
+    for [a, b] in linked.chain(named) {
+        sets.join(a as usize, b as usize);
     }
-    (0..parent.len() as u32).map(|l| root(&mut parent, l)).collect()
-}
-
-pub(crate) fn root(parent: &mut [u32], mut x: u32) -> u32 {
-    while parent[x as usize] != x {
-        parent[x as usize] = parent[parent[x as usize] as usize];
-        x = parent[x as usize];
-    }
-    x
+    (0..sets.len()).map(|l| sets.root(l) as u32).collect()
 }
 
 /// A path bent so that it ends at a length of its last line.

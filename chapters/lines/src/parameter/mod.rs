@@ -37,7 +37,7 @@ pub use part::{drawn, whole};
 
 use crate::film::Film;
 use crate::knob::{Cuts, LinesKnobs, Links, Method, Texture};
-use chiaro_basis::{Error, Result, Run};
+use chiaro_basis::{Error, Result, Run, Sets};
 use cut::Kept;
 use energy::{Energy, Setting};
 use net::{Found, Net};
@@ -334,17 +334,16 @@ fn textures(components: &[u32], period: &[Option<f64>]) -> Vec<(u32, Option<f64>
 
 /// Closed lines of the film that links join, by the first of them.
 fn loops(net: &Net) -> BTreeMap<u32, Vec<u32>> {
-    let mut parent: Vec<u32> = (0..net.lines.len() as u32).collect();
+    let mut sets = Sets::new(net.lines.len());
     for link in &net.links {
-        let [a, b] = link.lines;
-        if net.lines[a as usize].closed && net.lines[b as usize].closed {
-            let (a, b) = (chart::root(&mut parent, a), chart::root(&mut parent, b));
-            parent[a.max(b) as usize] = a.min(b);
+        let [a, b] = link.lines.map(|l| l as usize);
+        if net.lines[a].closed && net.lines[b].closed {
+            sets.join(a, b);
         }
     }
     let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for l in (0..net.lines.len() as u32).filter(|l| net.lines[*l as usize].closed) {
-        groups.entry(chart::root(&mut parent, l)).or_default().push(l);
+        groups.entry(sets.root(l as usize) as u32).or_default().push(l);
     }
     groups
 }

@@ -10,6 +10,7 @@
 use super::cut::Kept;
 use super::net::{Line, Net, strokes};
 use crate::film::Film;
+use chiaro_basis::Sets;
 use std::collections::BTreeMap;
 
 /// Stretches of u may overlap by this share of the shorter, and by these pixels at least: a sliver that
@@ -54,7 +55,8 @@ pub(crate) fn rename(film: &mut Film, net: &Net, kept: &Kept, scale: &[f64]) {
         old.push(s.id);
     }
     let bundles = bundles(net, &kept.trust);
-    let [mut groups, other] = [true, false].map(|mutual| Groups::joined(&spans, &bundles, mutual));
+    let [mut groups, mut other] =
+        [true, false].map(|mutual| Groups::joined(&spans, &bundles, mutual));
     if other.kept(&bundles) > groups.kept(&bundles) {
         groups = other;
     }
@@ -141,15 +143,15 @@ fn bundles(net: &Net, trust: &[f64]) -> Vec<Bundle> {
 
 /// Groups of lines with what they cover in each frame.
 struct Groups {
-    parent: Vec<u32>,
+    sets: Sets,
     /// Spans of each root's group, frames rising.
     spans: Vec<Vec<Span>>,
 }
 
 impl Groups {
     fn of(spans: &[Span]) -> Self {
-        let parent = (0..spans.len() as u32).collect();
-        Self { parent, spans: spans.iter().map(|s| vec![*s]).collect() }
+        let sets = Sets::new(spans.len());
+        Self { sets, spans: spans.iter().map(|s| vec![*s]).collect() }
     }
 
     /// Lines joined along pure bundles and then all in their order, or along mutual ones before all others.
@@ -162,19 +164,13 @@ impl Groups {
     }
 
     /// The weight of the bundles within groups.
-    fn kept(&self, bundles: &[Bundle]) -> f64 {
-        let root = |mut x: u32| {
-            while self.parent[x as usize] != x {
-                x = self.parent[x as usize];
-            }
-            x
-        };
-        let within = bundles.iter().filter(|b| root(b.lines[0]) == root(b.lines[1]));
+    fn kept(&mut self, bundles: &[Bundle]) -> f64 {
+        let within = bundles.iter().filter(|b| self.root(b.lines[0]) == self.root(b.lines[1]));
         within.map(|b| b.weight).sum()
     }
 
     fn root(&mut self, x: u32) -> u32 {
-        super::chart::root(&mut self.parent, x)
+        self.sets.root(x as usize) as u32
     }
 
     /// Joins the groups of two lines unless two of their lines in one frame clash.
@@ -184,7 +180,7 @@ impl Groups {
             return;
         }
         let (root, other) = (a.min(b), a.max(b));
-        self.parent[other as usize] = root;
+        self.sets.join(a as usize, b as usize);
         let moved = std::mem::take(&mut self.spans[other as usize]);
         let all = &mut self.spans[root as usize];
         all.extend(moved);

@@ -9,6 +9,7 @@
 //!    strokes share an id: so what passes in front of a line does not change its id.
 
 use crate::surface::NONE;
+use chiaro_basis::Sets;
 use std::collections::BTreeMap;
 
 /// Share of a link's weight that counts when the line was hidden in between.
@@ -146,7 +147,7 @@ fn spread(memory: &mut [u32], strands: &Strands) {
 
 /// Groups of strokes with those of one chain in each frame.
 struct Groups {
-    parent: Vec<u32>,
+    sets: Sets,
     /// Frames of each root's group with the chain there, rising.
     frames: Vec<Vec<(u32, u32)>>,
 }
@@ -154,17 +155,13 @@ struct Groups {
 impl Groups {
     fn of(frames: &[u32], chains: &[u32]) -> Self {
         Self {
-            parent: (0..frames.len() as u32).collect(),
+            sets: Sets::new(frames.len()),
             frames: frames.iter().zip(chains).map(|(f, c)| vec![(*f, *c)]).collect(),
         }
     }
 
-    fn root(&mut self, mut x: u32) -> u32 {
-        while self.parent[x as usize] != x {
-            self.parent[x as usize] = self.parent[self.parent[x as usize] as usize];
-            x = self.parent[x as usize];
-        }
-        x
+    fn root(&mut self, x: u32) -> u32 {
+        self.sets.root(x as usize) as u32
     }
 
     fn join(&mut self, a: u32, b: u32) {
@@ -182,7 +179,7 @@ impl Groups {
             return;
         }
         let (root, other) = (a.min(b), a.max(b));
-        self.parent[other as usize] = root;
+        self.sets.join(a as usize, b as usize);
         let moved = std::mem::take(&mut self.frames[other as usize]);
         let all = &mut self.frames[root as usize];
         all.extend(moved);

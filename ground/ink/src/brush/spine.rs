@@ -2,7 +2,7 @@
 //! its ends, wobbled, cut into pieces by u.
 
 use super::noise::Axis;
-use chiaro_basis::math::Vec2;
+use chiaro_basis::math::{Vec2, smoothstep};
 
 /// A turn by more than this is kept when a line is smoothed, radians.
 const CORNER: f32 = 0.7;
@@ -74,8 +74,7 @@ impl Spine {
     pub(super) fn own(&self, length: f32, total: f32) -> f32 {
         let from_ends = [length, total - length].into_iter().zip(self.goes_on);
         let near = from_ends.filter(|e| e.1).map(|e| e.0).fold(f32::INFINITY, f32::min);
-        let t = (near / MEETING).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
+        smoothstep([0.0, MEETING], near)
     }
 
     /// The whole length in pixels.

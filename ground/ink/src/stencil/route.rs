@@ -9,6 +9,7 @@
 
 use super::cores::{Cores, NONE};
 use super::{StencilForm, along};
+use chiaro_basis::Sets;
 use chiaro_image::labels::{UNCOVERED, components_by_sides};
 use chiaro_image::{Plane, filter};
 use std::cmp::Reverse;
@@ -235,24 +236,9 @@ struct Edge {
 /// The cheapest edges that join `count` cores.
 fn spanning(mut edges: Vec<Edge>, count: usize) -> Vec<Edge> {
     edges.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.cores.cmp(&b.cores)));
-    let mut parent: Vec<usize> = (0..count).collect();
-    let mut chosen = Vec::new();
-    for edge in edges {
-        let [a, b] = edge.cores.map(|c| root(&mut parent, c as usize));
-        if a != b {
-            parent[a.max(b)] = a.min(b);
-            chosen.push(edge);
-        }
-    }
-    chosen
-}
-
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
+    let mut sets = Sets::new(count);
+    edges.retain(|edge| sets.join(edge.cores[0] as usize, edge.cores[1] as usize));
+    edges
 }
 
 /// What it costs to leave a core's part out; infinite where the part holds other cores or the rim.

@@ -2,6 +2,7 @@
 
 use super::super::text::stem;
 use super::file::{Face, File};
+use chiaro_basis::Sets;
 use std::collections::BTreeMap;
 
 /// The faces of one object.
@@ -32,7 +33,7 @@ pub(super) fn parts(file: &File, faces: Vec<Face>, file_name: &str) -> Vec<Part>
 /// For each group the lowest group that it is joined to by common vertices.
 fn joined_groups(file: &File, faces: &[Face]) -> Vec<u32> {
     const NOBODY: u32 = u32::MAX;
-    let mut parent: Vec<u32> = (0..file.groups.len() as u32).collect();
+    let mut sets = Sets::new(file.groups.len());
     let mut owner = vec![NOBODY; file.positions.len()];
     for face in faces {
         for corner in file.corners(face) {
@@ -40,17 +41,8 @@ fn joined_groups(file: &File, faces: &[Face]) -> Vec<u32> {
             if *owner == NOBODY {
                 *owner = face.group;
             }
-            let (a, b) = (root(&mut parent, *owner), root(&mut parent, face.group));
-            parent[a.max(b) as usize] = a.min(b);
+            sets.join(*owner as usize, face.group as usize);
         }
     }
-    (0..parent.len() as u32).map(|group| root(&mut parent, group)).collect()
-}
-
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
+    (0..sets.len()).map(|group| sets.root(group) as u32).collect()
 }
