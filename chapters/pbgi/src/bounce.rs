@@ -45,7 +45,7 @@ pub fn bounce(
         run.check()?;
         let own: Indirect =
             met.par_chunks(2 * rays as usize).map(|links| gathered(links, &last, rays)).collect();
-        let irradiance = (0..SMOOTHINGS).fold(own, |e, _| smoothed(surfels, grid, &e));
+        let irradiance = (0..SMOOTHINGS).fold(own, |e, _| smoothed(surfels, grid, &e, |_, _| true));
         last = surfels
             .all
             .par_iter()
@@ -64,8 +64,14 @@ pub fn bounce(
     Ok(total)
 }
 
-/// The mean over the living sides around each, as far as they face the same way.
-fn smoothed(surfels: &Surfels, grid: &SurfelGrid, irradiance: &Indirect) -> Indirect {
+/// The mean over the living sides around each, as far as they face the same way and `alike` has it of both, each a
+/// surfel and its side.
+pub(crate) fn smoothed(
+    surfels: &Surfels,
+    grid: &SurfelGrid,
+    irradiance: &Indirect,
+    alike: impl Fn((usize, usize), (usize, usize)) -> bool + Sync,
+) -> Indirect {
     let around = |(index, own): (usize, &Surfel)| {
         let (mut sums, mut weights) = ([[0.0; 3]; 2], [0.0; 2]);
         grid.each_near(own.position, |other, distance2| {
@@ -77,7 +83,7 @@ fn smoothed(surfels: &Surfels, grid: &SurfelGrid, irradiance: &Indirect) -> Indi
                 * (1.0 - aside / (ASIDE * grid.reach())).max(0.0);
             for side in 0..2 {
                 let its = if cosine < 0.0 { 1 - side } else { side };
-                if weight > 0.0 && s.alive[its] {
+                if weight > 0.0 && s.alive[its] && alike((index, side), (other, its)) {
                     weights[side] += weight;
                     (0..3).for_each(|c| sums[side][c] += weight * irradiance[other][its][c]);
                 }
@@ -160,7 +166,7 @@ mod tests {
         let mean = |i: usize| if i.is_multiple_of(2) { 1.0 } else { 3.0 };
         let noisy = |i: usize| [[mean(i) + unit(9, i as u64) - 0.5; 3], [10.0; 3]];
         let own: Indirect = (0..4000).map(noisy).collect();
-        let after = smoothed(&surfels, &grid, &own);
+        let after = smoothed(&surfels, &grid, &own, |_, _| true);
         let deviation = |e: &Indirect| {
             let squares = e.iter().enumerate().map(|(i, e)| (e[0][0] - mean(i)).powi(2));
             (squares.sum::<f32>() / 4000.0).sqrt()

@@ -11,6 +11,7 @@ use crate::opening::{Dome, Opening, Openings};
 use crate::pixel::{self, Gathered, Workspace};
 use crate::records;
 use crate::site::Site;
+use crate::skylight;
 use crate::surfel::{Lit, Surfels};
 use crate::tile;
 use crate::tree::Tree;
@@ -139,16 +140,19 @@ pub fn prepare<'a>(
     // Rays meet sides as they are; dead ones need not be known but to spare bounces.
     let side_rays = if by_records && knobs.bounces < 2 { 0 } else { knobs.side_rays };
     let tested = LightKnobs { side_rays, ..knobs.clone() };
-    let mut surfels = Surfels::light(&lit, sites, &tested, run)?;
+    let (mut surfels, sky) = Surfels::light_apart(&lit, sites, &tested, run)?;
     let count = surfels.all.len() as u64;
     let grid = SurfelGrid::new(&surfels);
+    let sky = run.stage("direct", 0, || skylight::settled(&surfels, &grid, &sky));
+    surfels.all.par_iter_mut().zip(&sky).for_each(|(s, e)| s.add(e));
     let times = knobs.bounces.saturating_sub(1);
     let irradiance = run.stage("direct", count, || {
         bounce(&lit, &mut surfels, &grid, times, knobs.bounce_rays, run)
     })?;
     let in_tree = if by_records && !knobs.is_compact() { &[] } else { &surfels.all[..] };
     let tree = run.stage("tree", in_tree.len() as u64, || Tree::build_by(knobs.hierarchy, in_tree));
-    let reflected = Reflected { grid, irradiance: if times > 0 { irradiance } else { Vec::new() } };
+    let irradiance = if times > 0 { irradiance } else { Vec::new() };
+    let reflected = Reflected { grid, irradiance, sky };
     Ok(Prepared { lit, surfels, reflected, tree, knobs: knobs.clone(), shift: 0 })
 }
 

@@ -10,7 +10,7 @@
 //!
 //! 1. [`sites`] spreads surfels evenly over all triangles ([`site`]), or [`poisson_sites`] at a least distance.
 //! 2. [`Surfels::light`] lights both sides of each and finds the dead ones: backs of walls, insides
-//!    of closed bodies ([`surfel`], [`side`]).
+//!    of closed bodies ([`surfel`], [`side`]). What the sky gives is smoothed ([`skylight`]).
 //! 3. [`bounce`](bounce::bounce) lets surfels light each other, any number of times.
 //! 4. [`Tree::build`] sums area and radiance lobes bottom-up as spherical harmonics ([`harmonic`],
 //!    [`tree`]), surfaces that face different ways apart (`facing`); what a node stores is a type parameter ([`payload`]).
@@ -74,6 +74,7 @@ mod rival;
 pub mod side;
 mod sight;
 pub mod site;
+pub mod skylight;
 pub mod spread;
 pub mod stream;
 pub mod surfel;

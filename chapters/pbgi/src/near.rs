@@ -1,4 +1,7 @@
 //! The near field: rays on the triangles, and the light of what they meet.
+//!
+//! One shadow ray tells too little of the sky, which may be seen through a gap. Its light is asked of surfels, as
+//! that which was reflected before.
 
 use crate::bounce::Indirect;
 use crate::grid::SurfelGrid;
@@ -7,12 +10,27 @@ use chiaro_basis::math::Vec3;
 use chiaro_trace::{Hit, Sequence, Vertex, path::SPREAD};
 use std::f32::consts::FRAC_1_PI;
 
-/// What near rays need to know of the surfels: the light that was reflected before, by place.
+/// What near rays need to know of the surfels: the light of the sky and that which was reflected before, by place.
 pub struct Reflected {
     /// Surfels by place.
     pub grid: SurfelGrid,
     /// Irradiance by reflected light of each surfel's sides; empty when there is none.
     pub irradiance: Indirect,
+    /// Irradiance by the sky of each surfel's sides; empty when there is none.
+    pub sky: Indirect,
+}
+
+impl Reflected {
+    /// The light of the sky, if it is known, and that which was reflected before, by the nearest surfel.
+    fn at(&self, surfels: &Surfels, at: &Vertex) -> Option<[f32; 3]> {
+        if self.irradiance.is_empty() && self.sky.is_empty() {
+            return None;
+        }
+        let (k, side) = self.grid.nearest(surfels, at.position, at.side)?;
+        let of = |all: &Indirect| all.get(k as usize).map_or([0.0; 3], |e| e[side]);
+        let (reflected, sky) = (of(&self.irradiance), of(&self.sky));
+        Some(std::array::from_fn(|c| reflected[c] + sky[c]))
+    }
 }
 
 /// A point that a near ray met.
@@ -25,7 +43,7 @@ pub struct NearHit {
 }
 
 /// The light that leaves what a near ray met: texture, one shadow ray to one light sample, and the
-/// reflected light of the nearest surfel.
+/// light of the sky and of reflection by the nearest surfel.
 pub fn shade(
     lit: &Lit,
     surfels: &Surfels,
@@ -35,13 +53,11 @@ pub fn shade(
     sequence: &Sequence,
     index: u32,
 ) -> NearHit {
-    let (at, mut e) = self::lit(lit, hit, direction, sequence, index);
-    if !reflected.irradiance.is_empty()
-        && let Some((k, side)) = reflected.grid.nearest(surfels, at.position, at.side)
-    {
-        let more = reflected.irradiance[k as usize][side];
-        (0..3).for_each(|c| e[c] += more[c]);
-    }
+    let at = vertex(lit, hit, direction);
+    let more = reflected.at(surfels, &at);
+    let by_ray = reflected.sky.is_empty() || more.is_none();
+    let mut e = irradiance(lit, &at, (sequence, index), by_ray);
+    more.into_iter().for_each(|more| (0..3).for_each(|c| e[c] += more[c]));
     NearHit { position: at.position, radiance: radiance(&at, e) }
 }
 
@@ -53,9 +69,17 @@ pub(crate) fn lit(
     sequence: &Sequence,
     index: u32,
 ) -> (Vertex, [f32; 3]) {
-    let at = Vertex::of(lit.tracer, lit.surfaces, hit, direction, SPREAD * hit.t);
+    let at = vertex(lit, hit, direction);
+    (at, irradiance(lit, &at, (sequence, index), true))
+}
+
+fn vertex(lit: &Lit, hit: &Hit, direction: Vec3) -> Vertex {
+    Vertex::of(lit.tracer, lit.surfaces, hit, direction, SPREAD * hit.t)
+}
+
+fn irradiance(lit: &Lit, at: &Vertex, (sequence, index): (&Sequence, u32), sky: bool) -> [f32; 3] {
     let numbers = numbers(lit.lights, sequence, index, 1);
-    (at, lit.lights.irradiance_by_one_ray(lit.tracer, lit.surfaces, &at, &numbers))
+    lit.lights.irradiance_by_one_ray(lit.tracer, lit.surfaces, at, &numbers, sky)
 }
 
 /// Radiance of a Lambertian surface under an irradiance.

@@ -60,23 +60,23 @@ pub fn close(lit: &Lit, bounds: &Bounds, spacing: f32) -> f32 {
     if is_lamp { spacing.max(CLOSE * bounds.radius()) } else { 0.0 }
 }
 
-/// Finds the dead sides of a lit surfel with at most `rays` rays a side; `bounds` hold everything drawn, `spacing` is that
-/// of surfels, and `close` where lamps hide sides.
+/// Finds the dead sides of a lit surfel with at most `rays` rays a side, told which the sky lights; `bounds` hold everything
+/// drawn, `spacing` is that of surfels, and `close` where lamps hide sides.
 pub fn test(
-    lit: &Lit,
+    (lit, by_sky): (&Lit, [bool; 2]),
     bounds: &Bounds,
     surfel: &mut Surfel,
     (spacing, close): (f32, f32),
     (rays, seed): (u32, u64),
 ) {
     let sequence = Sequence::new(!seed);
-    for side in 0..2 {
+    for (side, by_sky) in by_sky.into_iter().enumerate() {
         let normal = if side == 0 { surfel.normal } else { -surfel.normal };
         if above(bounds, surfel.position, normal) <= lit.tracer.offset() {
             surfel.alive[side] = false;
             continue;
         }
-        if surfel.radiance[side] != [0.0; 3] {
+        if by_sky || surfel.radiance[side] != [0.0; 3] {
             let point = |k: u32| sequence.point(k, side as u32);
             surfel.alive[side] = close == 0.0
                 || !is_behind_a_lamp(lit, (surfel.position, normal), close, rays, point);

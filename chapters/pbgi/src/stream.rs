@@ -229,7 +229,7 @@ fn each_batch<T: Hierarchy>(
 fn lit_sites<T: Hierarchy>(sparse: &Prepared<T>, sites: &[Site], run: &Run) -> Result<Vec<Surfel>> {
     let knobs: &LightKnobs = &sparse.knobs;
     let mut surfels = Surfels::light(&sparse.lit, sites, knobs, run)?.all;
-    let Reflected { grid, irradiance } = &sparse.reflected;
+    let Reflected { grid, irradiance, .. } = &sparse.reflected;
     if irradiance.is_empty() {
         return Ok(surfels);
     }

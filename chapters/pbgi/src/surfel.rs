@@ -7,6 +7,7 @@
 use crate::knob::LightKnobs;
 use crate::side;
 use crate::site::Site;
+use crate::skylight::Skylight;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_trace::{Hit, LightNumbers, Lights, Sequence, Surfaces, Tracer, Vertex};
@@ -54,19 +55,41 @@ pub struct Surfels {
 
 /// A surfel's area over the mean from which on areas differ.
 const UNEVEN: f32 = 1.2;
-/// Light samples a side where light has an extent.
-const SOFT_SAMPLES: u32 = 4;
+/// Light samples a side of what shines, and the least and the most of the sky.
+const GLOW_SAMPLES: u32 = 4;
+const SKY_SAMPLES: [u32; 2] = [4, 16];
+/// Up to so many surfels have the most samples of the sky; of more, as many in all.
+const FEW: usize = 100_000;
 
 impl Surfel {
     /// The area of a side that lives, or 0.
     pub fn side_area(&self, side: usize) -> f32 {
         if self.alive[side] { self.area } else { 0.0 }
     }
+
+    /// Adds what both sides reflect of an irradiance.
+    pub(crate) fn add(&mut self, irradiance: &[[f32; 3]; 2]) {
+        for (radiance, e) in self.radiance.iter_mut().zip(irradiance) {
+            (0..3).for_each(|c| radiance[c] += self.albedo[c] * FRAC_1_PI * e[c]);
+        }
+    }
 }
 
 impl Surfels {
     /// Lights the sites of a frame directly, and finds the dead sides.
     pub fn light(lit: &Lit, sites: &[Site], knobs: &LightKnobs, run: &Run) -> Result<Self> {
+        let (mut surfels, sky) = Self::light_apart(lit, sites, knobs, run)?;
+        surfels.all.par_iter_mut().zip(&sky).for_each(|(s, sky)| s.add(&sky.irradiance()));
+        Ok(surfels)
+    }
+
+    /// The same without the light of the sky, which is told apart: noisy, one of each surfel; none without a sky.
+    pub fn light_apart(
+        lit: &Lit,
+        sites: &[Site],
+        knobs: &LightKnobs,
+        run: &Run,
+    ) -> Result<(Self, Vec<Skylight>)> {
         let mut all: Vec<Surfel> = run.stage("surfels", sites.len() as u64, || {
             sites.par_iter().map(|s| place(lit.tracer, s)).collect()
         });
@@ -75,17 +98,25 @@ impl Surfels {
         let uneven = all.iter().any(|s| s.area > UNEVEN * spacing * spacing);
         let bounds = lit.tracer.frame.bounds();
         let near = (spacing, side::close(lit, &bounds, spacing));
-        run.stage("direct", sites.len() as u64, || {
-            all.par_iter_mut().enumerate().try_for_each(|(index, surfel)| {
+        let [least, most] = SKY_SAMPLES;
+        let of_sky =
+            (most as usize * FEW / sites.len().max(1)).clamp(least as usize, most as usize);
+        let of_sky = of_sky as u32;
+        let sky = run.stage("direct", sites.len() as u64, || {
+            let one = |(index, surfel): (usize, &mut Surfel)| {
                 run.check()?;
-                light(lit, &sites[index], surfel, index as u64);
+                let sky = light(lit, &sites[index], surfel, (index as u64, of_sky));
+                let by_sky = sky.is_lit();
                 if knobs.side_rays > 0 {
-                    side::test(lit, &bounds, surfel, near, (knobs.side_rays, index as u64));
+                    let lit_by_sky = (lit, by_sky);
+                    side::test(lit_by_sky, &bounds, surfel, near, (knobs.side_rays, index as u64));
                 }
-                Ok(())
-            })
+                Ok(sky)
+            };
+            all.par_iter_mut().enumerate().map(one).collect::<Result<Vec<_>>>()
         })?;
-        Ok(Self { all, spacing, uneven })
+        let sky = if lit.lights.sky.is_some() { sky } else { Vec::new() };
+        Ok((Self { all, spacing, uneven }, sky))
     }
 
     /// How many sides are dead.
@@ -108,28 +139,30 @@ pub(crate) fn place(tracer: &Tracer, site: &Site) -> Surfel {
     }
 }
 
-fn light(lit: &Lit, site: &Site, surfel: &mut Surfel, index: u64) {
+/// Light by what is in the scene; and by the sky.
+fn light(lit: &Lit, site: &Site, surfel: &mut Surfel, (index, of_sky): (u64, u32)) -> Skylight {
     let hit = Hit { t: 0.0, object: site.object, face: site.face, b: site.b };
     let footprint = surfel.area.sqrt();
     let sequence = Sequence::new(index);
-    let soft = !lit.lights.glow.is_empty() || lit.lights.sky.is_some();
-    let samples = if soft { SOFT_SAMPLES } else { 1 };
+    let Lit { tracer, surfaces, lights } = *lit;
+    let of_glow = if lights.glow.is_empty() { 0 } else { GLOW_SAMPLES };
+    let of_sky = if lights.sky.is_some() { of_sky } else { 0 };
+    let mut sky = Skylight::default();
     for side in 0..2 {
         let inward = if side == 0 { -surfel.normal } else { surfel.normal };
-        let at = Vertex::of(lit.tracer, lit.surfaces, &hit, inward, footprint);
+        let at = Vertex::of(tracer, surfaces, &hit, inward, footprint);
         surfel.albedo = at.albedo;
-        if at.albedo == [0.0; 3] {
-            // Nothing is reflected, but the side test must know whether it is lit.
-            surfel.radiance[side] = [0.0; 3];
+        let numbers = |k: u32| numbers(lights, &sequence, k, side as u32);
+        let mut sum = lights.lamp_irradiance(tracer, &at, numbers(0).choice);
+        for k in 0..of_glow {
+            let e = lights.glow_irradiance(tracer, surfaces, &at, &numbers(k), false);
+            (0..3).for_each(|i| sum[i] += e[i] / of_glow as f32);
         }
-        let mut sum = [0.0; 3];
-        for k in 0..samples {
-            let numbers = numbers(lit.lights, &sequence, k, side as u32);
-            let e = lit.lights.irradiance(lit.tracer, lit.surfaces, &at, &numbers, false);
-            (0..3).for_each(|i| sum[i] += e[i] / samples as f32);
-        }
+        let samples = (0..of_sky).map(|k| lights.sky_irradiance(tracer, &at, numbers(k).sky));
+        sky.set(side, samples);
         surfel.radiance[side] = std::array::from_fn(|i| at.albedo[i] * FRAC_1_PI * sum[i]);
     }
+    sky
 }
 
 /// The numbers for light sample `index`; `set` tells uses apart. Those that nothing asks for are not made.

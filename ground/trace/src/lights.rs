@@ -79,24 +79,59 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> [f32; 3] {
-        let mut sum = [0.0; 3];
-        let mut add = |c: Option<Candidate>, weight: f32| {
-            if let Some(c) = c.filter(|c| !tracer.occluded(&c.ray)) {
-                (0..3).for_each(|i| sum[i] += weight * c.irradiance[i]);
-            }
-        };
+        let sky = self.sky_candidate(at, numbers.sky, shared);
+        let sky = arriving(tracer, sky.into_iter());
+        plus(self.irradiance_of_scene(tracer, surfaces, at, numbers, shared), sky)
+    }
+
+    /// The same of what is in the scene: lamps and what shines.
+    pub fn irradiance_of_scene(
+        &self,
+        tracer: &Tracer,
+        surfaces: &Surfaces,
+        at: &Vertex,
+        numbers: &LightNumbers,
+        shared: bool,
+    ) -> [f32; 3] {
+        let lamps = self.lamp_irradiance(tracer, at, numbers.choice);
+        plus(lamps, self.glow_irradiance(tracer, surfaces, at, numbers, shared))
+    }
+
+    /// Irradiance at a vertex by the lamps, or where there are many by one that a number chooses.
+    pub fn lamp_irradiance(&self, tracer: &Tracer, at: &Vertex, choice: f32) -> [f32; 3] {
+        let all = self.lamps.iter().filter_map(|l| from_lamp(l, at));
         if self.lamps.len() <= ALL_LAMPS {
-            self.lamps.iter().for_each(|l| add(from_lamp(l, at), 1.0));
-        } else {
-            let mut chosen = Reservoir::new(numbers.choice);
-            self.lamps.iter().filter_map(|l| from_lamp(l, at)).for_each(|c| chosen.offer(c));
-            let weight = chosen.weight();
-            add(chosen.kept, weight);
+            return arriving(tracer, all);
         }
+        let mut chosen = Reservoir::new(choice);
+        all.for_each(|c| chosen.offer(c));
+        let weight = chosen.weight();
+        arriving(tracer, chosen.kept.map(|c| c.times(weight)).into_iter())
+    }
+
+    /// Irradiance at a vertex by one point of what shines.
+    pub fn glow_irradiance(
+        &self,
+        tracer: &Tracer,
+        surfaces: &Surfaces,
+        at: &Vertex,
+        numbers: &LightNumbers,
+        shared: bool,
+    ) -> [f32; 3] {
         let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, shared);
-        add(glow, weight);
-        add(self.sky_candidate(at, numbers.sky, shared), 1.0);
-        sum
+        arriving(tracer, glow.map(|c| c.times(weight)).into_iter())
+    }
+
+    /// Irradiance at a vertex by one direction of the sky, and what it would be if nothing hid it.
+    pub fn sky_irradiance(
+        &self,
+        tracer: &Tracer,
+        at: &Vertex,
+        numbers: [f32; 2],
+    ) -> ([f32; 3], [f32; 3]) {
+        let Some(sky) = self.sky_candidate(at, numbers, false) else { return Default::default() };
+        let open = sky.irradiance;
+        (arriving(tracer, std::iter::once(sky)), open)
     }
 
     /// Irradiance at a vertex by what shines and by the sky, one sample of each.
@@ -107,26 +142,25 @@ impl Lights {
         at: &Vertex,
         numbers: &LightNumbers,
     ) -> [f32; 3] {
-        let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, false);
-        let glow = glow.map(|c| c.times(weight));
-        let sky = self.sky_candidate(at, numbers.sky, false);
-        let seen = glow.into_iter().chain(sky).filter(|c| !tracer.occluded(&c.ray));
-        seen.fold([0.0; 3], |s, c| std::array::from_fn(|i| s[i] + c.irradiance[i]))
+        let (sky, _) = self.sky_irradiance(tracer, at, numbers.sky);
+        plus(self.glow_irradiance(tracer, surfaces, at, numbers, false), sky)
     }
 
-    /// Irradiance at a vertex by one shadow ray, to one sample chosen by what it would give.
+    /// Irradiance at a vertex by one shadow ray, to one sample chosen by what it would give, of the `sky` as well or
+    /// of the scene alone.
     pub fn irradiance_by_one_ray(
         &self,
         tracer: &Tracer,
         surfaces: &Surfaces,
         at: &Vertex,
         numbers: &LightNumbers,
+        sky: bool,
     ) -> [f32; 3] {
         let mut chosen = Reservoir::new(numbers.choice);
         self.lamps.iter().filter_map(|l| from_lamp(l, at)).for_each(|c| chosen.offer(c));
         let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, false);
         let glow = glow.map(|c| c.times(weight));
-        let sky = self.sky_candidate(at, numbers.sky, false);
+        let sky = self.sky_candidate(at, numbers.sky, false).filter(|_| sky);
         glow.into_iter().chain(sky).for_each(|c| chosen.offer(c));
         let weight = chosen.weight();
         match chosen.kept {
@@ -228,6 +262,15 @@ impl Lights {
         let own = cosine * FRAC_1_PI;
         own / (own + self.sky.as_ref().map_or(0.0, |s| s.density(direction)))
     }
+}
+
+/// What arrives of candidates.
+fn arriving(tracer: &Tracer, all: impl Iterator<Item = Candidate>) -> [f32; 3] {
+    all.filter(|c| !tracer.occluded(&c.ray)).fold([0.0; 3], |sum, c| plus(sum, c.irradiance))
+}
+
+fn plus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|c| a[c] + b[c])
 }
 
 fn from_lamp(lamp: &Lamp, at: &Vertex) -> Option<Candidate> {
