@@ -5,6 +5,7 @@
 //! as a flat piece of surface at its mean distance, slanted as what is there.
 
 mod opening;
+mod patch;
 
 use crate::cluster::Pixel;
 use crate::cube::{CubeBuffer, CubeShape};
@@ -14,7 +15,8 @@ use crate::indirect::Prepared;
 use crate::veil::Veil;
 use chiaro_basis::math::Vec3;
 use chiaro_scene::Bounds;
-use chiaro_trace::{GBuffer, Vertex};
+use chiaro_trace::{GBuffer, Tracer, Vertex};
+use patch::Patch;
 
 /// Light and openness: linear RGB, and 1 where nothing is.
 pub(crate) type Light = [f32; 4];
@@ -100,6 +102,8 @@ pub(crate) struct Field {
     packs: Vec<Pack>,
     /// The packs that hold light or openness.
     lit: Vec<u16>,
+    /// Bright texels that something in the ball hides from some receivers; the packs are black there.
+    patches: Vec<Patch>,
 }
 
 /// How a field is gathered.
@@ -135,8 +139,10 @@ impl Field {
         splats.clear();
         let visited = scene.tree.cut(&chooser, splats);
         buffer.add_sorted(splats);
-        Veil { ball, tracer: scene.lit.tracer, receivers }.draw(buffer);
-        (Self::of_buffer(buffer, ball, how), visited)
+        let partial = Veil { ball, tracer: scene.lit.tracer, receivers }.draw(buffer);
+        let mut field = Self::of_buffer(buffer, ball, how);
+        field.take_apart(&partial, buffer.shape());
+        (field, visited)
     }
 
     fn of_buffer(buffer: &CubeBuffer, ball: Ball, how: &Gathering) -> Self {
@@ -160,7 +166,7 @@ impl Field {
         }
         let sends = |p: &Pack| p.light.iter().flatten().any(|l| *l > 0.0);
         let lit = (0..packs.len()).filter(|&i| sends(&packs[i])).map(|i| i as u16).collect();
-        Self { ball, side: shape.side(), scale, packs, lit }
+        Self { ball, side: shape.side(), scale, packs, lit, patches: Vec::new() }
     }
 
     /// Irradiance of a receiver by the far field; the last is pi where all is open. What a texel
@@ -179,6 +185,41 @@ impl Field {
             }
         }
         sum.map(|lanes| lanes.iter().sum())
+    }
+
+    /// Irradiance of a receiver by those bright texels that something in the ball hides from some, as a ray to each
+    /// tells; and what it would be if nothing hid them.
+    pub(crate) fn by_patches(&self, tracer: &Tracer, at: &Vertex, number: usize) -> [f32; 6] {
+        let receiver = self.receiver(at);
+        let mut sum = [0.0; 6];
+        for (i, patch) in self.patches.iter().enumerate() {
+            let pack = &self.packs[patch.texel / LANES];
+            let (_, weight) = pack.seen(patch.texel % LANES, &receiver);
+            if weight <= 0.0 {
+                continue;
+            }
+            let light = patch.light.map(|l| weight * l);
+            (0..3).for_each(|c| sum[3 + c] += light[c]);
+            if patch.is_free(&self.ball, tracer, at, number + 7 * i) {
+                (0..3).for_each(|c| sum[c] += light[c]);
+            }
+        }
+        sum
+    }
+
+    /// Whether there are such texels.
+    pub(crate) fn has_patches(&self) -> bool {
+        !self.patches.is_empty()
+    }
+
+    fn take_apart(&mut self, texels: &[usize], shape: &CubeShape) {
+        for &texel in texels {
+            let (pack, lane) = (&mut self.packs[texel / LANES], texel % LANES);
+            let place = Vec3::from(pack.place.map(|l| l[lane])) / self.scale;
+            let light = std::array::from_fn(|c| std::mem::take(&mut pack.light[c][lane]));
+            let width = shape.solid_angles[texel].sqrt() * place.length();
+            self.patches.push(Patch { texel, place: self.ball.centre + place, width, light });
+        }
     }
 
     /// Where a receiver lies in the field, in the field's scale, its normal and its side.
@@ -234,6 +275,7 @@ fn slant(towards: Vec3, axis: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::veil::tests::raised;
 
     /// A white receiver.
     fn receiver(position: Vec3, normal: Vec3) -> Vertex {
@@ -301,6 +343,35 @@ mod tests {
         // Rays meet the wall where it is.
         let (origin, direction) = (Vec3::new(0.4, 0.3, 0.0), Vec3::new(0.6, 0.8, 0.0));
         assert!((field.light(&shape, origin, direction)[0] - 1.0).abs() < 1e-5);
+    }
+
+    /// Of all light towards +x, what lies behind the edge of a wall is taken apart: with nothing in between a receiver has
+    /// as much as before, and behind the wall none of it.
+    #[test]
+    fn patches_are_seen_where_nothing_hides_them() {
+        let shape = CubeShape::new(8);
+        let mut buffer = CubeBuffer::new(shape.clone());
+        let texels: Vec<usize> =
+            (0..shape.directions.len()).filter(|i| shape.directions[*i].x > 0.8).collect();
+        texels.iter().for_each(|i| buffer.fill_flat(*i, [1.0, 2.0, 3.0], 9.0, Vec3::NEG_X));
+        let ball = Ball { centre: Vec3::ZERO, radius: 2.0 };
+        let how = Gathering { threshold: 0.1, occlusion: 1e3, beyond: 1e3 };
+        let whole = Field::of_buffer(&buffer, ball, &how);
+        let mut apart = Field::of_buffer(&buffer, ball, &how);
+        apart.take_apart(&texels, &shape);
+        let at = receiver(Vec3::ZERO, Vec3::X);
+        let all = whole.irradiance(&at);
+        assert_eq!(apart.irradiance(&at)[..3], [0.0; 3]);
+        assert_eq!(apart.light(&shape, Vec3::ZERO, Vec3::X)[..3], [0.0; 3]);
+        for (up, share) in [(30.0, 1.0), (0.0, 0.0)] {
+            let scene = raised(1.0, up);
+            let frame = chiaro_scene::Poser::new(&scene).frame(0.0, &Default::default());
+            let seen = apart.by_patches(&Tracer::new(&scene, &frame), &at, 3);
+            for c in 0..3 {
+                assert!((seen[c] - share * all[c]).abs() < 1e-4 * all[c], "{seen:?} {all:?}");
+                assert!((seen[3 + c] - all[c]).abs() < 1e-4 * all[c]);
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! sum of the terms with which all of them look for it, times their rays (the balance heuristic):
 //! blocks stay sharp at creases and contacts, and only visibility is shared. Blocks overlap by half
 //! and fade into each other, so that they do not show. Receivers of a block that are far apart do
-//! not share.
+//! not share. They also share how much of the light of patches arrives, each of its own.
 
 mod opening;
 
@@ -33,7 +33,6 @@ type Lanes = [f32; LANES];
 /// Receivers that share, side by side; unused lanes have no rays.
 struct Group {
     lanes: usize,
-    place: [usize; LANES],
     position: [Lanes; 3],
     normal: [Lanes; 3],
     side: [Lanes; 3],
@@ -47,7 +46,6 @@ impl Group {
         let zero = [0.0; LANES];
         Self {
             lanes: 0,
-            place: [0; LANES],
             position: [[f32::MAX.sqrt() * 1e-3; LANES]; 3],
             normal: [zero; 3],
             side: [zero; 3],
@@ -56,10 +54,9 @@ impl Group {
         }
     }
 
-    fn add(&mut self, place: usize, receiver: &Receiver) {
+    fn add(&mut self, receiver: &Receiver) {
         let k = self.lanes;
         self.lanes += 1;
-        self.place[k] = place;
         for c in 0..3 {
             self.position[c][k] = receiver.at.position[c];
             self.normal[c][k] = receiver.at.normal[c];
@@ -167,7 +164,7 @@ fn looked_up<'a>(receivers: impl Iterator<Item = &'a Receiver>) -> Light {
 fn share(receivers: &[Option<&Receiver>; LANES], some: &[usize], pooled: &mut Pooled) {
     let mut group = Group::new();
     let members = || some.iter().filter_map(|&i| receivers[i].map(|r| (i, r)));
-    members().for_each(|(i, r)| group.add(i, r));
+    members().for_each(|(_, r)| group.add(r));
     let share = looked_up(members().map(|(_, r)| r));
     let mut sum = [[0.0; LANES]; 4];
     for hit in members().flat_map(|(_, r)| &r.hits) {
@@ -176,9 +173,19 @@ fn share(receivers: &[Option<&Receiver>; LANES], some: &[usize], pooled: &mut Po
             (0..LANES).for_each(|k| sum[k] += weights[k] * light);
         }
     }
-    for k in 0..group.lanes {
-        pooled[group.place[k]].1 = std::array::from_fn(|c| sum[c][k]);
+    let arrives = arriving(members().map(|(_, r)| r));
+    for (k, (place, r)) in members().enumerate() {
+        pooled[place].1 = std::array::from_fn(|c| {
+            sum[c][k] + if c < 3 { arrives[c] * r.patches[3 + c] } else { 0.0 }
+        });
     }
+}
+
+/// The share of their patches' light that arrives at some receivers.
+fn arriving<'a>(receivers: impl Iterator<Item = &'a Receiver>) -> [f32; 3] {
+    let mut sum = [0.0; 6];
+    receivers.for_each(|r| (0..6).for_each(|c| sum[c] += r.patches[c]));
+    std::array::from_fn(|c| if sum[3 + c] > 0.0 { sum[c] / sum[3 + c] } else { 0.0 })
 }
 
 #[cfg(test)]
@@ -237,6 +244,20 @@ mod tests {
         let within = PI * (1.0 - 1.0 / (1.5 * 1.5));
         assert!((light[0][0] / within - 1.0).abs() < 0.03, "{light:?}");
         assert!((light[1][0] / PI - 1.0).abs() < 0.03, "{light:?}");
+    }
+
+    /// Of two that share, one has a patch of light hidden from it by its ray, the other half as much seen.
+    #[test]
+    fn receivers_share_what_is_seen_of_patches() {
+        let everywhere = Ball { centre: Vec3::ZERO, radius: f32::INFINITY };
+        let mut both = [receiver(0.0, everywhere), receiver(0.5, everywhere)];
+        both[0].patches = [0.0, 0.0, 0.0, 2.0, 4.0, 6.0];
+        both[1].patches = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+        let light = pooled(&both);
+        let expected = [[2.0, 4.0, 6.0], [1.0, 2.0, 3.0]].map(|e| e.map(|e| e / 3.0));
+        for (light, expected) in light.iter().zip(expected) {
+            assert!((0..3).all(|c| (light[c] - expected[c]).abs() < 1e-5), "{light:?}");
+        }
     }
 
     /// Rays look up twice what the sums of the far fields hold.

@@ -56,6 +56,8 @@ pub(crate) struct Receiver {
     pub(crate) looked_up: Light,
     /// Irradiance by the far fields.
     pub(crate) far: Light,
+    /// Irradiance by their patches, and what it would be if nothing hid them.
+    pub(crate) patches: [f32; 6],
     /// What the far fields leave open, where that is wanted.
     pub(crate) opening: Opening,
 }
@@ -73,6 +75,17 @@ impl Mix<'_> {
         for (share, field) in &self.parts {
             let e = field.irradiance(at);
             (0..4).for_each(|c| sum[c] += share * e[c]);
+        }
+        sum
+    }
+
+    /// Irradiance of a receiver by what is not seen from everywhere around it; `number` chooses rays. And what it would
+    /// be if nothing hid that.
+    pub(crate) fn by_patches(&self, tracer: &Tracer, at: &Vertex, number: usize) -> [f32; 6] {
+        let mut sum = [0.0; 6];
+        for (share, field) in &self.parts {
+            let e = field.by_patches(tracer, at, number);
+            (0..6).for_each(|c| sum[c] += share * e[c]);
         }
         sum
     }
@@ -118,6 +131,7 @@ impl Receiver {
             looked: 0,
             looked_up: [0.0; 4],
             far: [0.0; 4],
+            patches: [0.0; 6],
             opening: [0.0; 6],
         }
     }
@@ -233,7 +247,7 @@ impl Lattice {
 }
 
 /// The place of a pixel in the lattice's pattern.
-fn place_of((x, y): Pixel) -> usize {
+pub(crate) fn place_of((x, y): Pixel) -> usize {
     let bit = |v: usize, i: usize| v >> i & 1;
     bit(x, 0) | bit(y, 0) << 1 | bit(x, 1) << 2 | bit(y, 1) << 3
 }

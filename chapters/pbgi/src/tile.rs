@@ -5,7 +5,8 @@
 //!    may differ, since the buffer is a full sphere. Where probing rays show that much is near, the
 //!    tile is busy: it is done in quarters.
 //! 2. Each cluster has a field: a cube buffer with what lies beyond the radius D around its centre
-//!    (`field`). Rays tell which of its bright texels no pixel sees (`veil`).
+//!    (`field`). Rays tell which of its bright texels no pixel sees, and which only some do (`veil`):
+//!    to these each pixel has a ray of its own.
 //! 3. A pixel mixes the fields of the four tiles (or quarters) around it by its place between their
 //!    centres, so that tiles do not show. Its far irradiance is the sum over texels of radiance
 //!    times its own cosine; on a plane it is computed at every fourth pixel and interpolated.
@@ -28,7 +29,7 @@ use crate::hierarchy::Hierarchy;
 use crate::indirect::{Indirect, Prepared, Wanted};
 use crate::opening::Dome;
 use crate::pool;
-use crate::receiver::{Lattice, Mix, Receiver};
+use crate::receiver::{Lattice, Mix, Receiver, place_of};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_trace::{GBuffer, Sides, Vertex};
@@ -339,10 +340,17 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
                 }
             }
         }
-        let far = self.far(above, &receivers, &mixes, |mix, at| mix.irradiance(at));
+        let far = self.far(above, &receivers, &mixes, |mix, at, _| mix.irradiance(at));
         receivers.iter_mut().zip(&far).for_each(|(r, far)| r.far = *far);
+        if mixes.iter().flat_map(|mix| &mix.parts).any(|(_, field)| field.has_patches()) {
+            let tracer = scene.lit.tracer;
+            let spread = |(x, y): Pixel| place_of((x + x / NODE, y + y / NODE));
+            let of = |mix: &Mix, at: &Vertex, pixel| mix.by_patches(tracer, at, spread(pixel));
+            let more = self.far(above, &receivers, &mixes, of);
+            receivers.iter_mut().zip(more).for_each(|(r, more)| r.patches = more);
+        }
         if let Some(dome) = &self.dome {
-            let open = self.far(above, &receivers, &mixes, |mix, at| mix.opening(at, dome));
+            let open = self.far(above, &receivers, &mixes, |mix, at, _| mix.opening(at, dome));
             receivers.iter_mut().zip(open).for_each(|(r, open)| r.opening = open);
         }
         receivers.into_iter().zip(far).collect()
@@ -354,11 +362,12 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         above: &Above,
         receivers: &[Receiver],
         mixes: &[Mix],
-        of: impl Fn(&Mix, &Vertex) -> [f32; N],
+        of: impl Fn(&Mix, &Vertex, Pixel) -> [f32; N],
     ) -> Vec<[f32; N]> {
         let mut nodes = Nodes { picture: self, above, of: &of, kept: Vec::new() };
         let both = receivers.iter().zip(mixes);
-        both.map(|(r, mix)| nodes.interpolated(r).unwrap_or_else(|| of(mix, &r.at))).collect()
+        both.map(|(r, mix)| nodes.interpolated(r).unwrap_or_else(|| of(mix, &r.at, r.pixel)))
+            .collect()
     }
 
     /// The fields that a pixel mixes, and their shares: those of the four tiles or quarters whose
@@ -467,7 +476,9 @@ struct Nodes<'a, 'b, 'c, T: Hierarchy, F, const N: usize> {
     kept: Vec<(Pixel, [f32; N])>,
 }
 
-impl<T: Hierarchy, F: Fn(&Mix, &Vertex) -> [f32; N], const N: usize> Nodes<'_, '_, '_, T, F, N> {
+impl<T: Hierarchy, F: Fn(&Mix, &Vertex, Pixel) -> [f32; N], const N: usize>
+    Nodes<'_, '_, '_, T, F, N>
+{
     /// What a receiver has by the four nodes around it, if all are on its plane.
     fn interpolated(&mut self, receiver: &Receiver) -> Option<[f32; N]> {
         let (width, height) = self.picture.buffer.size();
@@ -509,7 +520,7 @@ impl<T: Hierarchy, F: Fn(&Mix, &Vertex) -> [f32; N], const N: usize> Nodes<'_, '
         }
         let picture = self.picture;
         let at = Vertex::of_pixel(picture.scene.lit.tracer, picture.buffer, node);
-        let far = (self.of)(&picture.mix(self.above, node, at.position), &at);
+        let far = (self.of)(&picture.mix(self.above, node, at.position), &at, node);
         self.kept.push((node, far));
         far
     }

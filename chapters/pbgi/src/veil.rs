@@ -5,7 +5,8 @@
 //!   any far light is right where every ray ends before it.
 //! - A wall farther away is closed, but the splats that stand for it leave gaps, through which the street shines.
 //!
-//! A texel is judged by rays from the cluster's receivers to places all over it, and only if they all agree.
+//! A texel is judged by rays from the cluster's receivers to places all over it, and only if they all agree. Where they
+//! do not, each receiver is to find out by itself.
 
 use crate::cube::CubeBuffer;
 use crate::field::Ball;
@@ -16,6 +17,8 @@ use chiaro_trace::{Tracer, Vertex};
 /// Rays that must all end early, and rays that are tried for each: receivers may face away.
 const TESTS: usize = 32;
 const TRIES: usize = 3 * TESTS;
+/// Rays that must all be free.
+const FEW_TESTS: usize = 8;
 /// Texels brighter than so many mean ones are judged.
 const BRIGHT: f32 = 2.5;
 /// The share of a texel's light that comes from far behind the rest, from which on that is asked for.
@@ -30,11 +33,21 @@ pub(crate) struct Veil<'a> {
     pub(crate) receivers: &'a [Vertex],
 }
 
+/// How many rays are not free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Hidden {
+    None,
+    Some,
+    All,
+}
+
 impl Veil<'_> {
-    /// Takes out of a buffer around the ball's middle what rays say is not seen.
-    pub(crate) fn draw(&self, buffer: &mut CubeBuffer) {
+    /// Takes out of a buffer around the ball's middle what rays say is not seen. Returns the texels that some receivers
+    /// see and others do not.
+    pub(crate) fn draw(&self, buffer: &mut CubeBuffer) -> Vec<usize> {
+        let mut partial = Vec::new();
         if self.receivers.is_empty() {
-            return;
+            return partial;
         }
         let light = |b: &CubeBuffer, i: usize| luminance(b.texels()[i].light);
         let count = buffer.texels().len();
@@ -43,23 +56,30 @@ impl Veil<'_> {
             let t = buffer.texels()[i];
             let back = t.back.distance / t.back.coverage;
             let much = luminance(t.back.light) > MUCH * luminance(t.light);
-            if self.is_hidden(buffer, i, t.mean_distance(), None) {
+            let hidden = self.hidden(buffer, i, t.mean_distance(), None);
+            if hidden == Hidden::All {
                 buffer.blacken(i);
-            } else if much && self.is_hidden(buffer, i, back, Some(BEFORE * back)) {
+                continue;
+            }
+            if much && self.hidden(buffer, i, back, Some(BEFORE * back)) == Hidden::All {
                 buffer.close(i);
             }
+            if hidden == Hidden::Some {
+                partial.push(i);
+            }
         }
+        partial
     }
 
-    /// Whether all rays from receivers to places of a texel at a distance end before another one from the middle, or
-    /// in the ball.
-    fn is_hidden(&self, buffer: &CubeBuffer, i: usize, distance: f32, end: Option<f32>) -> bool {
+    /// How many rays from receivers to places of a texel at a distance end before another one from the middle, or in
+    /// the ball.
+    fn hidden(&self, buffer: &CubeBuffer, i: usize, distance: f32, end: Option<f32>) -> Hidden {
         let Ball { centre, .. } = self.ball;
         let shape = buffer.shape();
         let place = shape.directions[i] * distance;
         let width = shape.solid_angles[i].sqrt() * distance;
         let (across, up) = shape.directions[i].any_orthonormal_pair();
-        let mut tests = 0;
+        let (mut tests, mut free) = (0, 0);
         for k in 0..TRIES {
             let at = &self.receivers[(k + 5 * i) % self.receivers.len()];
             let [u, v] = random::r2((k + TRIES * i) as u64).map(|u| (u - 0.5) * width);
@@ -73,20 +93,21 @@ impl Veil<'_> {
                 Some(end) => Ball { centre, radius: end }.exit(origin, direction),
                 None => self.ball.exit(origin, direction),
             };
-            if !self.tracer.occluded(&at.ray(direction, length)) {
-                return false;
-            }
+            free += usize::from(!self.tracer.occluded(&at.ray(direction, length)));
             tests += 1;
-            if tests == TESTS {
+            if 0 < free && free < tests {
+                return Hidden::Some;
+            }
+            if tests == TESTS || free == FEW_TESTS {
                 break;
             }
         }
-        tests > TESTS / 2
+        if free == 0 && tests > TESTS / 2 { Hidden::All } else { Hidden::None }
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::cube::CubeShape;
     use crate::cut::Splat;
@@ -96,7 +117,7 @@ mod tests {
     };
 
     /// A square wall of side 20 across the x axis.
-    fn wall(x: f32) -> Scene {
+    pub(crate) fn wall(x: f32) -> Scene {
         let corner = |y: f32, z: f32| vec3(x, 10.0 * y, 10.0 * z);
         let mesh = Mesh {
             positions: vec![
@@ -118,9 +139,21 @@ mod tests {
         }
     }
 
-    /// Light and distance of a texel towards +x and of one towards -x once rays were asked, of a buffer in which both
+    /// The same moved up.
+    pub(crate) fn raised(x: f32, up: f64) -> Scene {
+        let mut scene = wall(x);
+        let transform = Transform::Parts {
+            translation: chiaro_basis::math::DVec3::new(0.0, up, 0.0),
+            rotation: Default::default(),
+            scale: chiaro_basis::math::DVec3::ONE,
+        };
+        scene.nodes[0].transform = transform;
+        scene
+    }
+
+    /// Light and distance of a texel towards +x and of one towards -x once rays were asked, and whether some see them, of a buffer in which both
     /// hold splats of a distance, a share and a radiance. The receivers lie around the origin and face up.
-    fn judged(scene: &Scene, splats: &[(f32, f32, f32)]) -> [(f32, f32); 2] {
+    fn judged(scene: &Scene, splats: &[(f32, f32, f32)]) -> ([(f32, f32); 2], [bool; 2]) {
         let frame = Poser::new(scene).frame(0.0, &Playback::default());
         let tracer = Tracer::new(scene, &frame);
         let shape = CubeShape::new(6);
@@ -155,34 +188,37 @@ mod tests {
         };
         let receivers: Vec<Vertex> = (0..20).map(receiver).collect();
         let ball = Ball { centre: Vec3::ZERO, radius: 2.0 };
-        Veil { ball, tracer: &tracer, receivers: &receivers }.draw(&mut buffer);
-        sides.map(|i| (buffer.radiance(i)[0], buffer.texels()[i].mean_distance()))
+        let partial = Veil { ball, tracer: &tracer, receivers: &receivers }.draw(&mut buffer);
+        let light = |i| (buffer.radiance(i)[0], buffer.texels()[i].mean_distance());
+        (sides.map(light), sides.map(|i| partial.contains(&i)))
     }
 
     #[test]
     fn what_a_near_wall_hides_is_black_and_what_none_hides_is_not() {
-        let [hidden, free] = judged(&wall(1.0), &[(9.0, 0.9, 5.0)]);
+        let ([hidden, free], partial) = judged(&wall(1.0), &[(9.0, 0.9, 5.0)]);
+        assert_eq!(partial, [false; 2]);
         assert_eq!(hidden.0, 0.0);
         assert!((free.0 / 4.5 - 1.0).abs() < 0.02, "{free:?}");
     }
 
     #[test]
+    fn what_the_edge_of_a_near_wall_hides_is_told_and_keeps_its_light() {
+        let ([half, free], partial) = judged(&raised(1.0, 10.1), &[(9.0, 0.9, 5.0)]);
+        assert_eq!(partial, [true, false]);
+        assert!((half.0 / free.0 - 1.0).abs() < 0.02, "{half:?} {free:?}");
+    }
+
+    #[test]
     fn nothing_shines_through_the_gaps_of_a_far_wall() {
-        let [closed, open] = judged(&wall(5.0), &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
+        let ([closed, open], _) = judged(&wall(5.0), &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
         assert!((closed.0 - 1.0).abs() < 1e-3 && (closed.1 - 5.0).abs() < 1e-3, "{closed:?}");
         assert!(open.0 > 25.0, "{open:?}");
     }
 
     #[test]
     fn a_wall_with_a_slit_hides_nothing_that_is_seen_through_it() {
-        let mut scene = wall(5.0);
-        let transform = Transform::Parts {
-            translation: chiaro_basis::math::DVec3::new(0.0, 10.5, 0.0),
-            rotation: Default::default(),
-            scale: chiaro_basis::math::DVec3::ONE,
-        };
-        scene.nodes[0].transform = transform;
-        let [seen, _] = judged(&scene, &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
+        let scene = raised(5.0, 10.5);
+        let ([seen, _], _) = judged(&scene, &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
         assert!(seen.0 > 25.0, "{seen:?}");
     }
 }
