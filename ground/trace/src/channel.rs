@@ -14,6 +14,7 @@ use crate::gbuffer::GBuffer;
 use crate::lamps::Lamps;
 use crate::light::{Arrival, Lamp};
 use crate::panels::Panels;
+use crate::penumbra::Penumbra;
 use crate::shadow::Shadows;
 use crate::surface::Surfaces;
 use crate::tracer::{Ray, Sides, Tracer};
@@ -49,11 +50,18 @@ pub fn diffuse(
         false => None,
     };
     let panels = Panels::of(lamps.all());
+    let penumbra = match &shaded {
+        Some(shadows) if !panels.is_empty() => {
+            Some(Penumbra::sample(buffer, &panels, shadows, shadows.step(), run)?)
+        }
+        _ => None,
+    };
+    let shade = shaded.as_ref().map(|s| (s, penumbra.as_ref()));
     let sums = buffer.over_covered(|x, y| {
         if run.check().is_err() {
             return [0.0; 2];
         }
-        illuminance(buffer, (lamps, &panels), shaded.as_ref(), (x, y))
+        illuminance(buffer, (lamps, &panels), shade, (x, y))
     });
     run.check()?;
     let middle = match lamps.all() {
@@ -76,7 +84,7 @@ pub fn diffuse(
 fn illuminance(
     buffer: &GBuffer,
     (lamps, panels): (&Lamps, &Panels),
-    shadows: Option<&Shadows<'_>>,
+    shade: Option<(&Shadows<'_>, Option<&Penumbra<'_>>)>,
     pixel: (usize, usize),
 ) -> [f32; 2] {
     let position = Vec3::from(buffer.position[pixel]);
@@ -86,19 +94,31 @@ fn illuminance(
         false => std::f32::consts::PI * colour::luminance(buffer.emissive[pixel]),
         true => 0.0,
     };
-    let around = shadows.map(|s| s.around(pixel));
-    let arrives = |k: usize, e: f32| around.as_ref().map_or(e, |a| e * a.visible(k, position));
+    let around = shade.map(|(shadows, _)| shadows.around(pixel));
+    let arrives = |k: usize| !around.as_ref().is_some_and(|a| a.is_dark(k, position));
     let mut sum = [own; 2];
     let single = lamps.single().iter().enumerate();
     for (k, lamp) in single.filter(|(_, l)| l.is_before(position, normal)) {
         let Some(arrival) = lamp.arrival(position) else { continue };
         let e = arrival.strength * normal.dot(arrival.towards).max(0.0);
         if e > 0.0 {
-            sum = [sum[0] + e, sum[1] + arrives(k, e)];
+            sum = [sum[0] + e, if arrives(k) { sum[1] + e } else { sum[1] }];
         }
     }
     let mut glow = [0.0; 2];
-    panels.light(position, normal, |k, e| glow = [glow[0] + e, glow[1] + arrives(k, e)]);
+    let share = match shade {
+        Some((_, penumbra)) => penumbra.and_then(|p| p.share(pixel)),
+        None => Some(1.0),
+    };
+    match share {
+        Some(share) => {
+            panels.light(position, normal, |_, e| glow[0] += e);
+            glow[1] = share * glow[0];
+        }
+        None => panels.light(position, normal, |k, e| {
+            glow = [glow[0] + e, if arrives(k) { glow[1] + e } else { glow[1] }];
+        }),
+    }
     if let Some((open, share)) = lamps.beside(position, normal).filter(|_| glow[0] > 0.0) {
         let scale = 1.0 + share * (open / glow[0] - 1.0);
         glow = glow.map(|e| e * scale);

@@ -43,6 +43,11 @@ impl Panels {
         Self { eights: pieces.chunks(LANES).map(eight).collect() }
     }
 
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.eights.is_empty()
+    }
+
     /// Calls `each` with every lamp that lights a point of this normal, and its illuminance in lux.
     #[inline]
     pub(crate) fn light(&self, point: Vec3, normal: Vec3, mut each: impl FnMut(usize, f32)) {
