@@ -4,11 +4,13 @@
 //! faces that are darker or lighter: A' (3.4) then parts it in two where there is nothing to see. So
 //! W - B is averaged over the pixels of a flat face that have nearly one tone, as far as that stands
 //! out among the face's tones. Shadows and hollows do not mix with what is lit, and slow gradients,
-//! where what is dark for its place is to be seen, stay as they are.
+//! where what is dark for its place is to be seen, stay as they are, but for one thing: on one face
+//! what is lighter does not pull more to black. Where the mean weight falls as tones rise, beside
+//! something light, it is raised or lowered to the nearest means that do not (isotonic regression).
 
 use crate::knob::scaled;
-use chiaro_basis::Sets;
 use chiaro_basis::math::smoothstep;
+use chiaro_basis::{Sets, isotonic};
 use chiaro_image::Plane;
 use chiaro_trace::GBuffer;
 use rayon::prelude::*;
@@ -59,6 +61,9 @@ struct Part {
 /// The samples of a face by tone: the sums of their weights, and how many they are.
 type Bins = [[f32; 2]; BINS];
 
+/// What is done at a tone: the mean weight, how much of it is taken, and what is added before.
+type Evened = [[f32; 3]; BINS];
+
 impl Flats {
     /// Those of a picture.
     pub(crate) fn of(buffer: &GBuffer) -> Self {
@@ -94,9 +99,9 @@ impl Flats {
 
     /// Averages weights over the pixels of each face that have nearly one tone, in [0, 1].
     pub(crate) fn even(&self, weights: &mut Plane<f32>, tone: &Plane<f32>) {
-        let mut bins = self.bins(weights, tone);
         let kernel = kernel();
-        bins.par_iter_mut().for_each(|bins| soften(bins, &kernel));
+        let bins: Vec<Evened> =
+            self.bins(weights, tone).par_iter().map(|bins| evened(bins, &kernel)).collect();
         let width = weights.width().max(1);
         let rows = weights.pixels_mut().par_chunks_mut(width).enumerate();
         rows.for_each(|(y, weights)| {
@@ -106,8 +111,9 @@ impl Flats {
                     part.samples.start * self.side..(part.samples.end * self.side).min(width);
                 let tones = &tone.row(y)[pixels.clone()];
                 for (weight, tone) in weights[pixels].iter_mut().zip(tones) {
-                    let [mean, taken] = looked_up(bins, *tone);
-                    *weight += share * taken * (mean - *weight);
+                    let [mean, taken, added] = looked_up(bins, *tone);
+                    let risen = *weight + added;
+                    *weight += share * (added + taken * (mean - risen));
                 }
             }
         });
@@ -179,32 +185,48 @@ fn kernel() -> [[f32; 2]; BINS] {
     })
 }
 
-/// Makes sums means over tones that count as one, and counts how far those stand out.
-fn soften(bins: &mut Bins, kernel: &[[f32; 2]; BINS]) {
-    let sums = *bins;
-    for (i, bin) in bins.iter_mut().enumerate() {
-        // Between this step and the next ones nothing is looked up where they are empty.
+/// What is added for means not to fall as tones rise, then means over tones that count as one, and
+/// how far those stand out.
+fn evened(sums: &Bins, kernel: &[[f32; 2]; BINS]) -> Evened {
+    let full: Vec<usize> = (0..BINS).filter(|i| sums[*i][1] > 0.0).collect();
+    let means = full.iter().map(|i| (f64::from(sums[*i][0] / sums[*i][1]), f64::from(sums[*i][1])));
+    let mut risen = *sums;
+    let mut evened = [[0.0; 3]; BINS];
+    for (&i, mean) in full.iter().zip(isotonic(means)) {
+        let [sum, count] = sums[i];
+        risen[i][0] = mean as f32 * count;
+        let added = mean as f32 - sum / count;
+        // A tone lies between two steps, one of which may be empty.
+        for near in i.saturating_sub(1)..(i + 2).min(BINS) {
+            if near == i || sums[near][1] == 0.0 {
+                evened[near][2] = added;
+            }
+        }
+    }
+    for (i, bin) in evened.iter_mut().enumerate() {
+        // Between steps that are empty nothing is looked up.
         if sums[i.saturating_sub(1)..(i + 2).min(BINS)].iter().all(|sum| sum[1] == 0.0) {
             continue;
         }
         let (mut weight, mut one, mut around) = (0.0, 0.0, 0.0);
-        for (j, sum) in sums.iter().enumerate() {
-            let [near, wide] = kernel[i.abs_diff(j)];
-            weight += near * sum[0];
-            one += near * sum[1];
-            around += wide * sum[1];
+        for &j in &full {
+            let ([near, wide], [sum, count]) = (kernel[i.abs_diff(j)], risen[j]);
+            weight += near * sum;
+            one += near * count;
+            around += wide * count;
         }
-        *bin = [weight / one.max(1e-6), share(one / around.max(1e-6))];
+        (bin[0], bin[1]) = (weight / one.max(1e-6), share(one / around.max(1e-6)));
     }
+    evened
 }
 
-/// The mean at a tone and how much of it is taken, between those of its two steps.
-fn looked_up(bins: &Bins, tone: f32) -> [f32; 2] {
+/// What is done at a tone, between its two steps.
+fn looked_up(bins: &Evened, tone: f32) -> [f32; 3] {
     let at = tone * (BINS - 1) as f32;
     let i = (at as usize).min(BINS - 2);
     let (a, b) = (bins[i], bins[i + 1]);
     let t = at - i as f32;
-    [0, 1].map(|k| a[k] + t * (b[k] - a[k]))
+    std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
 }
 
 /// How much is made of a share of pixels.
@@ -351,6 +373,21 @@ mod tests {
         assert!(shadowed[(40, 60)] < -0.1 && shadowed[(90, 60)] > 0.1);
         let rising = weights(&corner(|x, _| x as f32 / 120.0));
         assert!(rising[(110, 60)] > rising[(10, 60)] + 0.25);
+    }
+
+    #[test]
+    fn lighter_strips_beside_light_things_are_no_darker() {
+        // A floor that gets lighter towards a white wall, whose light makes its edge look dark.
+        let tone = |_, y: usize| if y < 40 { 1.0 } else { 0.8 - 0.006 * (y - 40) as f32 };
+        let mut view = corner(tone);
+        let dip = |view: &View| {
+            let weights = weights(view);
+            (42..60).map(|y| weights[(60, y)]).fold(f32::MIN, f32::max) - weights[(60, 41)]
+        };
+        let flat = dip(&view);
+        view.buffer.normal = Plane::filled(120, 80, [0.6, 0.8, 0.0]);
+        let round = dip(&view);
+        assert!(round > 0.05 && flat < 0.5 * round, "{round} {flat}");
     }
 
     #[test]

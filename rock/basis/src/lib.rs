@@ -4,6 +4,7 @@
 //! - [`random`]: randomness that depends on a seed and an index, never on an order.
 //! - [`reduce`]: parallel sums of fixed shape, the same bits for any number of threads.
 //! - [`Sets`]: numbers that belong together.
+//! - [`isotonic`]: the nearest values that never fall.
 //! - [`typed_id!`]: indices that cannot be mixed up.
 //! - [`knobs!`]: the one table of a chapter's parameters, read by command line, styles and manual.
 //! - [`Error`]: what went wrong, sorted by who can act.
@@ -11,6 +12,7 @@
 
 mod error;
 mod id;
+mod isotonic;
 mod knob;
 pub mod random;
 pub mod reduce;
@@ -18,6 +20,7 @@ mod run;
 mod sets;
 
 pub use error::{Error, Result};
+pub use isotonic::isotonic;
 pub use knob::{Knob, KnobKind, KnobValue, Knobs, Value, nearest};
 pub use run::{Cancel, Observer, Run};
 pub use sets::Sets;

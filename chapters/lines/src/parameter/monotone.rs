@@ -6,6 +6,7 @@
 
 use super::energy::{Energy, Factors, Weights};
 use super::net::{Line, Net};
+use chiaro_basis::isotonic;
 use chiaro_solve::Singular;
 
 /// The least slope, relative to an even spread.
@@ -67,7 +68,7 @@ pub(crate) fn rising(line: &Line, u: &mut [f64], scale: f64, period: Option<f64>
         return;
     }
     let lifted: Vec<f64> = own.iter().zip(&floor).map(|(u, f)| u - f).collect();
-    let pooled = pooled(&lifted);
+    let pooled = isotonic(lifted.iter().map(|u| (*u, 1.0)));
     own.iter_mut().zip(pooled.iter().zip(&floor)).for_each(|(u, (p, f))| *u = p + f);
     if let Some(p) = period {
         squeeze(own, p, line);
@@ -85,30 +86,9 @@ fn squeeze(u: &mut [f64], period: f64, line: &Line) {
     }
 }
 
-/// The nearest values that never fall (Ayer et al. 1955).
-fn pooled(values: &[f64]) -> Vec<f64> {
-    let mut blocks: Vec<(f64, usize)> = Vec::new();
-    for &v in values {
-        let mut block = (v, 1);
-        while let Some(last) = blocks.pop_if(|last| last.0 > block.0) {
-            let count = last.1 + block.1;
-            block = ((last.0 * last.1 as f64 + block.0 * block.1 as f64) / count as f64, count);
-        }
-        blocks.push(block);
-    }
-    blocks.into_iter().flat_map(|(v, n)| std::iter::repeat_n(v, n)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn pools_are_the_nearest_rising_values() {
-        assert_eq!(pooled(&[1.0, 2.0, 3.0]), [1.0, 2.0, 3.0]);
-        assert_eq!(pooled(&[3.0, 1.0, 2.0]), [2.0, 2.0, 2.0]);
-        assert_eq!(pooled(&[0.0, 4.0, 2.0, 5.0]), [0.0, 3.0, 3.0, 5.0]);
-    }
 
     #[test]
     fn folds_are_mended_and_the_rest_stays() {
