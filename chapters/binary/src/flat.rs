@@ -38,7 +38,7 @@ const SMALLEST: f32 = 30.0;
 const BANDS: usize = 8;
 
 /// The most pixels from one sample to the next.
-const MOST: usize = 4;
+const MOST: usize = 6;
 
 /// The flat faces of a picture, in parts of rows of samples; a sample stands for a square of pixels,
 /// of which few tones of another face do no harm.
@@ -61,14 +61,14 @@ struct Part {
 /// The samples of a face by tone: the sums of their weights, and how many they are.
 type Bins = [[f32; 2]; BINS];
 
-/// What is done at a tone: the mean weight, how much of it is taken, and what is added before.
-type Evened = [[f32; 3]; BINS];
+/// What becomes of a weight at a tone: a share of it that stays, and what is added.
+type Evened = [[f32; 2]; BINS];
 
 impl Flats {
     /// Those of a picture.
     pub(crate) fn of(buffer: &GBuffer) -> Self {
         let height = buffer.size().1;
-        let side = (scaled(1.0, height) as usize).clamp(1, MOST);
+        let side = (scaled(1.5, height) as usize).clamp(1, MOST);
         let size = scaled(1.0, height) / side as f32;
         let plan = Plan { buffer, side, shortest: (SHORTEST * size).max(2.0) as usize };
         let down = height.div_ceil(side);
@@ -100,20 +100,20 @@ impl Flats {
     /// Averages weights over the pixels of each face that have nearly one tone, in [0, 1].
     pub(crate) fn even(&self, weights: &mut Plane<f32>, tone: &Plane<f32>) {
         let kernel = kernel();
-        let bins: Vec<Evened> =
-            self.bins(weights, tone).par_iter().map(|bins| evened(bins, &kernel)).collect();
+        let bins = self.bins(weights, tone);
+        let faces = bins.par_iter().zip(&self.shares);
+        let faces: Vec<Evened> = faces.map(|(bins, share)| evened(bins, *share, &kernel)).collect();
         let width = weights.width().max(1);
         let rows = weights.pixels_mut().par_chunks_mut(width).enumerate();
         rows.for_each(|(y, weights)| {
             for part in &self.rows[y / self.side] {
-                let (bins, share) = (&bins[part.face], self.shares[part.face]);
+                let face = &faces[part.face];
                 let pixels =
                     part.samples.start * self.side..(part.samples.end * self.side).min(width);
                 let tones = &tone.row(y)[pixels.clone()];
                 for (weight, tone) in weights[pixels].iter_mut().zip(tones) {
-                    let [mean, taken, added] = looked_up(bins, *tone);
-                    let risen = *weight + added;
-                    *weight += share * (added + taken * (mean - risen));
+                    let [kept, added] = looked_up(face, *tone);
+                    *weight = kept * *weight + added;
                 }
             }
         });
@@ -185,24 +185,23 @@ fn kernel() -> [[f32; 2]; BINS] {
     })
 }
 
-/// What is added for means not to fall as tones rise, then means over tones that count as one, and
-/// how far those stand out.
-fn evened(sums: &Bins, kernel: &[[f32; 2]; BINS]) -> Evened {
+/// Adds what means need not to fall as tones rise, then goes to means over tones that count as one, as
+/// far as those stand out.
+fn evened(sums: &Bins, whole: f32, kernel: &[[f32; 2]; BINS]) -> Evened {
     let full: Vec<usize> = (0..BINS).filter(|i| sums[*i][1] > 0.0).collect();
     let means = full.iter().map(|i| (f64::from(sums[*i][0] / sums[*i][1]), f64::from(sums[*i][1])));
-    let mut risen = *sums;
-    let mut evened = [[0.0; 3]; BINS];
+    let (mut risen, mut added) = (*sums, [0.0; BINS]);
     for (&i, mean) in full.iter().zip(isotonic(means)) {
         let [sum, count] = sums[i];
         risen[i][0] = mean as f32 * count;
-        let added = mean as f32 - sum / count;
         // A tone lies between two steps, one of which may be empty.
         for near in i.saturating_sub(1)..(i + 2).min(BINS) {
             if near == i || sums[near][1] == 0.0 {
-                evened[near][2] = added;
+                added[near] = mean as f32 - sum / count;
             }
         }
     }
+    let mut evened = [[1.0, 0.0]; BINS];
     for (i, bin) in evened.iter_mut().enumerate() {
         // Between steps that are empty nothing is looked up.
         if sums[i.saturating_sub(1)..(i + 2).min(BINS)].iter().all(|sum| sum[1] == 0.0) {
@@ -215,18 +214,20 @@ fn evened(sums: &Bins, kernel: &[[f32; 2]; BINS]) -> Evened {
             one += near * count;
             around += wide * count;
         }
-        (bin[0], bin[1]) = (weight / one.max(1e-6), share(one / around.max(1e-6)));
+        let (mean, taken) = (weight / one.max(1e-6), share(one / around.max(1e-6)));
+        *bin = [1.0 - whole * taken, whole * (added[i] + taken * (mean - added[i]))];
     }
     evened
 }
 
-/// What is done at a tone, between its two steps.
-fn looked_up(bins: &Evened, tone: f32) -> [f32; 3] {
+/// What becomes of a weight at a tone, between its two steps.
+#[inline(always)]
+fn looked_up(bins: &Evened, tone: f32) -> [f32; 2] {
     let at = tone * (BINS - 1) as f32;
     let i = (at as usize).min(BINS - 2);
     let (a, b) = (bins[i], bins[i + 1]);
     let t = at - i as f32;
-    std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
+    [0, 1].map(|k| a[k] + t * (b[k] - a[k]))
 }
 
 /// How much is made of a share of pixels.
