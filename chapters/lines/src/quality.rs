@@ -230,14 +230,13 @@ fn pair(film: &Film, [here, next]: [&FilmFrame; 2]) -> Pair {
 }
 
 /// How u at a place of a stroke, a segment and a share of it, differs from u at a sample of the one before; whole
-/// turns are no difference.
+/// turns of the texture of either are no difference.
 fn moved([stroke, other]: [&Stroke; 2], j: usize, (k, share): (usize, f64)) -> f64 {
-    let mut du = other.u[k] + (other.u[k + 1] - other.u[k]) * share - stroke.u[j];
+    let du = other.u[k] + (other.u[k + 1] - other.u[k]) * share - stroke.u[j];
     let periods = [stroke, other].into_iter().filter_map(Stroke::begins_anew);
-    for period in periods.filter(|p| *p > LEAST_PERIOD) {
-        du -= (du / period).round() * period;
-    }
-    du
+    let rests =
+        periods.filter(|p| *p > LEAST_PERIOD).map(|period| du - (du / period).round() * period);
+    rests.fold(du, |least, rest| if rest.abs() < least.abs() { rest } else { least })
 }
 
 /// The length of a frame whose line is seen in the next, sample by sample, and whether it jumps there.

@@ -28,6 +28,7 @@ mod part;
 mod propagate;
 mod seam;
 mod split;
+mod texture;
 
 pub use chart::Saved;
 pub use diffuse::{Diffused, Diffuser, Gesture};
@@ -165,9 +166,10 @@ impl Parameters {
         }
         let swept = knobs.links == Links::Swept;
         made.parts = Parts::of(film, &made.whole(), to_charts.then_some(sigma), (swept, found));
+        let carried = texture::carried(&made.net, &made.kept.trust, &made.period);
         let period: Vec<Option<f64>> =
-            made.parts.origins.iter().map(|o| made.period[o.line as usize]).collect();
-        made.textures = textures(&made.parts.components, &period);
+            made.parts.origins.iter().map(|o| carried[o.line as usize]).collect();
+        made.textures = texture::shown(&made.parts.components, &period);
         Ok(made)
     }
 
@@ -313,23 +315,6 @@ fn sizes(film: &Film, net: &Net, knobs: &LinesKnobs) -> (Vec<f64>, Vec<Option<f6
         }
     }
     (scale, period)
-}
-
-/// For each line the component whose texture it shows, and that texture's period: that of most of the
-/// component's closed lines.
-fn textures(components: &[u32], period: &[Option<f64>]) -> Vec<(u32, Option<f64>)> {
-    let mut found: BTreeMap<u32, BTreeMap<u64, usize>> = BTreeMap::new();
-    for (component, period) in components.iter().zip(period) {
-        if let Some(period) = period {
-            *found.entry(*component).or_default().entry(period.to_bits()).or_insert(0) += 1;
-        }
-    }
-    let most = |component: &u32| {
-        let counts = found.get(component)?.iter();
-        counts.max_by_key(|(bits, count)| (**count, **bits)).map(|(bits, _)| f64::from_bits(*bits))
-    };
-    let texture = |(line, component): (usize, &u32)| (*component, period[line].or(most(component)));
-    components.iter().enumerate().map(texture).collect()
 }
 
 /// Closed lines of the film that links join, by the first of them.
