@@ -1,10 +1,11 @@
 //! [`Halos`]: haloes as geometry: ribbons parted where a nearer line interrupts them, for outlines and
 //! pens. In pixels `paint` fades what is behind; here it ends where that has lost half of its ink.
 
+use super::knob::Mark;
 use super::marks::band;
 use super::paint::{BEHIND, Stroke};
 use super::ribbon::{Rib, Ribbon};
-use super::strip::{Piece, pieces};
+use super::strip::{Hit, Piece, pieces};
 use chiaro_basis::math::Vec2;
 use std::collections::BTreeMap;
 
@@ -28,6 +29,15 @@ struct Band {
     halo: f32,
     /// Whether it is on the right alone.
     right: bool,
+    /// Whether it is a double line.
+    double: bool,
+}
+
+/// The share of a place at which a line hides what is behind it: on both sides or on its right alone, and between
+/// the two lines of a double one everywhere.
+pub(super) fn hides(hit: &Hit, right: bool, double: bool) -> f32 {
+    let side = if right { (hit.across + 0.5).clamp(0.0, 1.0) } else { 1.0 };
+    if double { side.max(hit.cover(0.0)) } else { side }
 }
 
 impl Halos {
@@ -37,7 +47,8 @@ impl Halos {
         for stroke in strokes.filter(|s| s.hides && s.brush.halo > 0.0) {
             let halo = stroke.brush.halo;
             for piece in pieces(&band(stroke.brush, stroke.spine)) {
-                halos.add(Band { piece, halo, right: stroke.right });
+                let double = stroke.brush.mark == Mark::Double;
+                halos.add(Band { piece, halo, right: stroke.right, double });
             }
         }
         halos
@@ -105,7 +116,7 @@ impl Halos {
         near.into_iter().flatten().any(|i| {
             let band = &self.bands[*i as usize];
             let Some(hit) = band.piece.hit(at, band.halo) else { return false };
-            let side = if band.right { hit.across + 0.5 } else { 1.0 };
+            let side = hides(&hit, band.right, band.double);
             side.min(hit.cover(band.halo)) > 0.5 && depth - hit.depth > 1.5 * BEHIND
         })
     }
@@ -176,6 +187,28 @@ mod tests {
             }
             assert_eq!(halos.part(ribbons(&brush, &near)), ribbons(&brush, &near));
         }
+    }
+
+    #[test]
+    fn nothing_shows_between_the_two_lines_of_an_outline() {
+        let near = spine(Vec2::new(50.0, 0.0), Vec2::new(50.0, 100.0), 10.0);
+        let far = spine(Vec2::new(0.0, 50.0), Vec2::new(100.0, 50.0), 200.0);
+        let brush =
+            Brush { mark: Mark::Double, halo: 4.0, width: 2.0, gap: 14.0, ..Brush::default() };
+        let (texture, colour) = (None, [0.0, 0.0, 0.0, 1.0]);
+        let outline =
+            Stroke { spine: &near, brush: &brush, texture, colour, hides: true, right: true };
+        let halos = Halos::of(std::iter::once(outline));
+        let mut ends: Vec<f32> = halos
+            .part(ribbons(&Brush { mark: Mark::Line, ..brush }, &far))
+            .iter()
+            .flat_map(|r| [r.ribs[0].at.x, r.ribs[r.ribs.len() - 1].at.x])
+            .collect();
+        ends.sort_by(f32::total_cmp);
+        // The line and half of the gap on one side, the halo as well on the other.
+        let found = [50.0 - ends[1], ends[2] - 50.0];
+        let (low, high) = (found[0].min(found[1]), found[0].max(found[1]));
+        assert!((low - 8.0).abs() < 0.1 && (high - 12.0).abs() < 0.1, "{ends:?}");
     }
 
     #[test]

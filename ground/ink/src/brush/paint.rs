@@ -10,7 +10,8 @@
 //! A pixel depends on the strokes and their order alone, not on threads.
 
 use super::grain::{Inking, Place};
-use super::knob::Brush;
+use super::halo::hides;
+use super::knob::{Brush, Mark};
 use super::marks::{band, ribbons};
 use super::noise::Axis;
 use super::ribbon::Ribbon;
@@ -207,8 +208,8 @@ impl Tile {
             let reach = halo.max(*rim);
             for (i, at) in self.within(piece.bounds(reach)) {
                 let Some(hit) = piece.hit(at, reach) else { continue };
-                let side =
-                    if stroke.stroke.right { (hit.across + 0.5).clamp(0.0, 1.0) } else { 1.0 };
+                let Stroke { brush, right, .. } = stroke.stroke;
+                let side = hides(&hit, *right, brush.mark == Mark::Double);
                 let covers = |more: f32| if more > 0.0 { side * hit.cover(more) } else { 0.0 };
                 let gap = covers(*halo);
                 let [depth, cover] = &mut self.front[i];
