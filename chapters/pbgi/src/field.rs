@@ -187,21 +187,17 @@ impl Field {
         sum.map(|lanes| lanes.iter().sum())
     }
 
-    /// Irradiance of a receiver by those bright texels that something in the ball hides from some, as a ray to each
-    /// tells; and what it would be if nothing hid them.
-    pub(crate) fn by_patches(&self, tracer: &Tracer, at: &Vertex, number: usize) -> [f32; 6] {
+    /// Irradiance that a receiver would have by the patches if nothing hid them; those that rays which a number chooses do
+    /// not reach are left out where a tracer is given.
+    pub(crate) fn by_patches(&self, at: &Vertex, rays: Option<(&Tracer, usize)>) -> [f32; 3] {
         let receiver = self.receiver(at);
-        let mut sum = [0.0; 6];
+        let mut sum = [0.0; 3];
         for (i, patch) in self.patches.iter().enumerate() {
             let pack = &self.packs[patch.texel / LANES];
             let (_, weight) = pack.seen(patch.texel % LANES, &receiver);
-            if weight <= 0.0 {
-                continue;
-            }
-            let light = patch.light.map(|l| weight * l);
-            (0..3).for_each(|c| sum[3 + c] += light[c]);
-            if patch.is_free(&self.ball, tracer, at, number + 7 * i) {
-                (0..3).for_each(|c| sum[c] += light[c]);
+            let free = |(tracer, number)| patch.is_free(&self.ball, tracer, at, number + 7 * i);
+            if weight > 0.0 && rays.is_none_or(free) {
+                (0..3).for_each(|c| sum[c] += weight * patch.light[c]);
             }
         }
         sum
@@ -366,10 +362,11 @@ mod tests {
         for (up, share) in [(30.0, 1.0), (0.0, 0.0)] {
             let scene = raised(1.0, up);
             let frame = chiaro_scene::Poser::new(&scene).frame(0.0, &Default::default());
-            let seen = apart.by_patches(&Tracer::new(&scene, &frame), &at, 3);
+            let seen = apart.by_patches(&at, Some((&Tracer::new(&scene, &frame), 3)));
+            let open = apart.by_patches(&at, None);
             for c in 0..3 {
                 assert!((seen[c] - share * all[c]).abs() < 1e-4 * all[c], "{seen:?} {all:?}");
-                assert!((seen[3 + c] - all[c]).abs() < 1e-4 * all[c]);
+                assert!((open[c] - all[c]).abs() < 1e-4 * all[c]);
             }
         }
     }

@@ -176,7 +176,7 @@ fn share(receivers: &[Option<&Receiver>; LANES], some: &[usize], pooled: &mut Po
     let arrives = arriving(members().map(|(_, r)| r));
     for (k, (place, r)) in members().enumerate() {
         pooled[place].1 = std::array::from_fn(|c| {
-            sum[c][k] + if c < 3 { arrives[c] * r.patches[3 + c] } else { 0.0 }
+            sum[c][k] + if c < 3 { arrives[c] * r.patches[6 + c] } else { 0.0 }
         });
     }
 }
@@ -251,8 +251,8 @@ mod tests {
     fn receivers_share_what_is_seen_of_patches() {
         let everywhere = Ball { centre: Vec3::ZERO, radius: f32::INFINITY };
         let mut both = [receiver(0.0, everywhere), receiver(0.5, everywhere)];
-        both[0].patches = [0.0, 0.0, 0.0, 2.0, 4.0, 6.0];
-        both[1].patches = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+        both[0].patches = [0.0, 0.0, 0.0, 2.0, 4.0, 6.0, 2.0, 4.0, 6.0];
+        both[1].patches = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
         let light = pooled(&both);
         let expected = [[2.0, 4.0, 6.0], [1.0, 2.0, 3.0]].map(|e| e.map(|e| e / 3.0));
         for (light, expected) in light.iter().zip(expected) {

@@ -345,7 +345,7 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         if mixes.iter().flat_map(|mix| &mix.parts).any(|(_, field)| field.has_patches()) {
             let tracer = scene.lit.tracer;
             let spread = |(x, y): Pixel| place_of((x + x / NODE, y + y / NODE));
-            let of = |mix: &Mix, at: &Vertex, pixel| mix.by_patches(tracer, at, spread(pixel));
+            let of = |mix: &Mix, at: &Vertex, pixel| mix.patches(tracer, at, spread(pixel));
             let more = self.far(above, &receivers, &mixes, of);
             receivers.iter_mut().zip(more).for_each(|(r, more)| r.patches = more);
         }

@@ -17,10 +17,12 @@ use chiaro_trace::{Tracer, Vertex};
 /// Rays that must all end early, and rays that are tried for each: receivers may face away.
 const TESTS: usize = 32;
 const TRIES: usize = 3 * TESTS;
-/// Rays that must all be free.
-const FEW_TESTS: usize = 8;
+/// So many free ones say that a texel is seen.
+const FEW_TESTS: usize = 4;
 /// Texels brighter than so many mean ones are judged.
 const BRIGHT: f32 = 2.5;
+/// Those brighter than so many are told apart where some receivers see them: each will have rays of its own.
+const BRIGHTER: f32 = 4.0;
 /// The share of a texel's light that comes from far behind the rest, from which on that is asked for.
 const MUCH: f32 = 0.1;
 /// Rays end at this share of the way to what they ask for.
@@ -56,15 +58,16 @@ impl Veil<'_> {
             let t = buffer.texels()[i];
             let back = t.back.distance / t.back.coverage;
             let much = luminance(t.back.light) > MUCH * luminance(t.light);
-            let hidden = self.hidden(buffer, i, t.mean_distance(), None);
+            let enough = if light(buffer, i) > BRIGHTER * mean { FEW_TESTS } else { 1 };
+            let hidden = self.hidden(buffer, (i, enough), t.mean_distance(), None);
             if hidden == Hidden::All {
                 buffer.blacken(i);
                 continue;
             }
-            if much && self.hidden(buffer, i, back, Some(BEFORE * back)) == Hidden::All {
+            if much && self.hidden(buffer, (i, 1), back, Some(BEFORE * back)) == Hidden::All {
                 buffer.close(i);
             }
-            if hidden == Hidden::Some {
+            if hidden == Hidden::Some && enough > 1 {
                 partial.push(i);
             }
         }
@@ -72,8 +75,14 @@ impl Veil<'_> {
     }
 
     /// How many rays from receivers to places of a texel at a distance end before another one from the middle, or in
-    /// the ball.
-    fn hidden(&self, buffer: &CubeBuffer, i: usize, distance: f32, end: Option<f32>) -> Hidden {
+    /// the ball; none if as many are free as is enough.
+    fn hidden(
+        &self,
+        buffer: &CubeBuffer,
+        (i, enough): (usize, usize),
+        distance: f32,
+        end: Option<f32>,
+    ) -> Hidden {
         let Ball { centre, .. } = self.ball;
         let shape = buffer.shape();
         let place = shape.directions[i] * distance;
@@ -98,7 +107,7 @@ impl Veil<'_> {
             if 0 < free && free < tests {
                 return Hidden::Some;
             }
-            if tests == TESTS || free == FEW_TESTS {
+            if tests == TESTS || free == enough {
                 break;
             }
         }
