@@ -9,11 +9,13 @@
 //! 4. Grain and walls are no backdrop: what is found must not be ragged, and be flat where normals are
 //!    known. Normals that go on across its border tell shadows that fall on it: what is darker in its
 //!    own hue and faces as it does is part of it. Where they still go on, in one hue, it is no backdrop,
-//!    but a floor or a thing. Specks in it are part of it.
+//!    but a floor or a thing. Specks in it are part of it. What is darker by itself, touches no thing that
+//!    could cast it and has a sharp edge lies on it: a grey card.
 //!
 //! Left out, it is paper, and light and shade are divided over the things themselves. Where nothing
 //! but colours is known, dark backdrops stay: they may be the night.
 
+use chiaro_basis::Sets;
 use chiaro_image::Plane;
 use chiaro_image::colour::{srgb_decode, srgb_encode};
 use chiaro_image::labels::components;
@@ -35,6 +37,18 @@ const GOES_ON: f32 = 0.1;
 const GONE_ON: [f32; 2] = [0.12, 0.4];
 /// The light that a shadow leaves, at least, and how much that may differ from channel to channel.
 const SHADOW: [f32; 2] = [0.1, 0.2];
+/// The share of a shadow's border along which it meets what casts it, at least, and the area of that in
+/// areas of the shadow.
+const CAST: [f32; 2] = [0.1, 0.1];
+/// Pixels that a sharp edge takes, and how much of its step may lie in what it bounds.
+const EDGE: isize = 3;
+const SOFT: f32 = 0.25;
+/// Shares of light that differ by more, as a factor, are those of two pieces.
+const STEP: f32 = 1.3;
+/// The share of a card's border that is such an edge, at least, and the smallest card in pixels of a
+/// picture of 480 rows.
+const BOUND: f32 = 0.3;
+const CARD: f32 = 60.0;
 /// How far the normals of a shadow may be from those of what it falls on, which stereo by shading bends there.
 const FACES: f32 = 0.5;
 /// Smaller pieces within a backdrop are specks, in pixels of a picture of 480 rows.
@@ -87,6 +101,7 @@ pub(super) fn backdrop(
         return None;
     }
     fill_specks(&mut reached);
+    let mut shadows = None;
     if let Some(normals) = normals.filter(|normals| gone_on(normals, &shown, &reached) > GONE_ON[0])
     {
         let shaded = Shadows { shade: shade.as_ref(), median, normal: facing(normals, &reached)? };
@@ -94,15 +109,22 @@ pub(super) fn backdrop(
             let p = (x, y);
             reached[p] || shaded.hold(p, shown[p], normals[p])
         });
-        reached = self::reached(&marks, &frame);
+        let plain = std::mem::replace(&mut reached, self::reached(&marks, &frame));
         fill_specks(&mut reached);
         if gone_on(normals, &shown, &reached) > GONE_ON[1] {
             return None;
         }
+        shadows = Some((shaded, plain));
     }
     let of_picture = share(reached.pixels().iter().filter(|r| **r).count(), reached.len());
     let is_part = (OF_PICTURE[0]..=OF_PICTURE[1]).contains(&of_picture);
-    (is_part && of_frame(&reached) >= OF_FRAME[1]).then_some(reached)
+    if !is_part || of_frame(&reached) < OF_FRAME[1] {
+        return None;
+    }
+    if let Some((shaded, plain)) = shadows {
+        shaded.leave_cards(&mut reached, &plain, &shown);
+    }
+    Some(reached)
 }
 
 /// The outermost pixels.
@@ -179,6 +201,128 @@ impl Shadows<'_> {
         let ground = self.shade.map_or(self.median, |shade| shade.at(pixel));
         let faces = normal.iter().zip(self.normal).all(|(n, m)| (n - m).abs() <= FACES);
         faces && shade_of(colour, ground).is_some_and(|share| (SHADOW[0]..1.5).contains(&share))
+    }
+}
+
+impl Shadows<'_> {
+    /// The share of the backdrop's light at a pixel.
+    fn share(&self, pixel: (usize, usize), colour: [f32; 3]) -> f32 {
+        let ground = self.shade.map_or(self.median, |shade| shade.at(pixel));
+        let sum = |colour: [f32; 3]| colour.map(srgb_decode).iter().sum::<f32>();
+        (sum(colour) / sum(ground).max(1e-3)).max(1e-3)
+    }
+
+    /// Takes back from what was reached beyond the plain backdrop what no thing casts: it touches
+    /// neither things nor the frame, and its edge is sharp.
+    fn leave_cards(&self, reached: &mut Plane<bool>, plain: &Plane<bool>, shown: &Plane<[f32; 3]>) {
+        let (w, h) = reached.size();
+        let kind = Plane::from_fn(w, h, |x, y| match (plain[(x, y)], reached[(x, y)]) {
+            (true, _) => Kind::Plain,
+            (_, true) => Kind::Darker(self.share((x, y), shown[(x, y)])),
+            _ => Kind::Thing,
+        });
+        let ids = joined(&kind);
+        let mut area = vec![0.0; w * h];
+        ids.pixels().iter().for_each(|id| area[*id] += 1.0);
+        let mut pieces = vec![Piece::default(); w * h];
+        for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+            let Kind::Darker(share) = kind[(x, y)] else { continue };
+            let id = ids[(x, y)];
+            let piece = &mut pieces[id];
+            piece.light += share;
+            for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                let at = |k: isize| {
+                    let q = (x.checked_add_signed(k * dx)?, y.checked_add_signed(k * dy)?);
+                    (q.0 < w && q.1 < h).then_some(q)
+                };
+                piece.is_framed |= at(1).is_none();
+                if at(1).is_none_or(|q| ids[q] == id) {
+                    continue;
+                }
+                // Darker pixels between are of the edge itself, or noise.
+                let beyond = (1..=EDGE).filter_map(at).map(|q| (ids[q], kind[q]));
+                match beyond.into_iter().find(|(_, kind)| !matches!(kind, Kind::Darker(_))) {
+                    Some((_, Kind::Plain)) => {
+                        piece.edge += share;
+                        piece.edges += 1.0;
+                    }
+                    Some((other, _)) if area[other] >= CAST[1] * area[id] => piece.cast += 1.0,
+                    Some(_) => piece.slivers += 1.0,
+                    None => {}
+                }
+            }
+        }
+        let smallest = CARD * (h as f32 / 480.0).powi(2);
+        let is_card: Vec<bool> = pieces
+            .iter()
+            .zip(&area)
+            .map(|(piece, area)| *area >= smallest && piece.is_card(*area))
+            .collect();
+        for (reached, id) in reached.pixels_mut().iter_mut().zip(ids.pixels()) {
+            *reached &= !is_card[*id];
+        }
+    }
+}
+
+/// Pixels of one piece by one number.
+fn joined(kind: &Plane<Kind>) -> Plane<usize> {
+    let (w, h) = kind.size();
+    let mut sets = Sets::new(w * h);
+    for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+        for (u, v) in [(x + 1, y), (x, y + 1)].into_iter().filter(|q| q.0 < w && q.1 < h) {
+            if kind[(x, y)].goes_on(kind[(u, v)]) {
+                sets.join(y * w + x, v * w + u);
+            }
+        }
+    }
+    Plane::from_pixels(w, h, (0..w * h).map(|i| sets.root(i)).collect())
+}
+
+/// What a pixel may be.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// The backdrop itself.
+    Plain,
+    /// Of its hue and with this share of its light: shadow on it, or a thing that lies on it.
+    Darker(f32),
+    /// Anything else.
+    Thing,
+}
+
+impl Kind {
+    /// Whether a pixel beside is of the same piece.
+    fn goes_on(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Darker(a), Self::Darker(b)) => a.max(b) <= STEP * a.min(b),
+            (Self::Plain, Self::Plain) | (Self::Thing, Self::Thing) => true,
+            _ => false,
+        }
+    }
+}
+
+/// What is found of a piece that may be shadow.
+#[derive(Clone, Default)]
+struct Piece {
+    /// The sum of its shares of light.
+    light: f32,
+    /// Sides of its border with large things, and with small ones.
+    cast: f32,
+    slivers: f32,
+    /// Those with the plain backdrop, and the sum of shares of light there.
+    edges: f32,
+    edge: f32,
+    /// Whether it touches the picture's frame.
+    is_framed: bool,
+}
+
+impl Piece {
+    fn is_card(&self, area: f32) -> bool {
+        let mean = self.light / area;
+        let is_sharp = self.edge <= self.edges * (mean + SOFT * (1.0 - mean));
+        let border = self.cast + self.slivers + self.edges;
+        let is_apart = self.cast < CAST[0] * border;
+        let is_bound = self.edges >= BOUND * border && area >= border;
+        self.light > 0.0 && !self.is_framed && is_apart && is_bound && is_sharp
     }
 }
 
@@ -341,6 +485,18 @@ mod tests {
         assert_eq!(backdrop(&strip([0.25; 3]), Some(&floor)).unwrap(), paper);
         let found = backdrop(&strip([0.5, 0.05, 0.05]), Some(&floor)).unwrap();
         assert!(!found[(33, 15)] && found[(38, 15)], "a red sheet of paper");
+        // A grey card that lies apart, and a soft blot.
+        let apart = |soft: f32| {
+            Plane::from_fn(80, 30, |x, y| {
+                let to = (x as f32 - 60.0).abs().max((y as f32 - 15.0).abs());
+                let v = 0.4 + 0.55 * ((to - 4.0) / soft).clamp(0.0, 1.0);
+                if x < 40 { disc[(x, y)] } else { [v, v, v, 1.0] }
+            })
+        };
+        let wide = Plane::from_fn(80, 30, |x, y| floor[(x.min(39), y)]);
+        let found = |soft| backdrop(&apart(soft), Some(&wide)).unwrap();
+        assert!(!found(0.1)[(60, 15)] && found(0.1)[(70, 15)], "a grey card");
+        assert!(found(9.0)[(60, 15)], "a soft blot");
         // A ball of the floor's own colour, lit from the left.
         let ball = Plane::from_fn(40, 30, |x, y| {
             let v = if is_thing((x, y)) { 0.95 - 0.04 * (x as f32 - 10.0) } else { 0.95 };
