@@ -1,4 +1,5 @@
-//! [`check`]: how often visibility errs, against the same lines on a surface sixteen times finer.
+//! [`check`]: how often visibility errs, against the same lines on a surface sixteen times finer, or as fine as eight
+//! million faces make it.
 //!
 //! 1. The shot's silhouettes are found twice with nothing bridged or dropped, hidden parts too: on
 //!    the surface as it is, and on that surface refined twice more.
@@ -41,6 +42,8 @@ pub struct Errors {
     pub apart: f64,
     /// Flickers a 1000 pixels of visible line, and those of the fine surface.
     pub flickers: [f64; 2],
+    /// Faces of the surface, and of the fine one.
+    pub faces: [usize; 2],
 }
 
 impl Errors {
@@ -53,6 +56,8 @@ impl Errors {
             ("apart_share", self.apart),
             ("flickers_per_1000px", self.flickers[0]),
             ("flickers_of_fine_per_1000px", self.flickers[1]),
+            ("faces", self.faces[0] as f64),
+            ("faces_of_fine", self.faces[1] as f64),
         ]
     }
 }
@@ -75,9 +80,10 @@ pub fn check(reel: &Reel<'_>, knobs: &LinesKnobs, run: &Run) -> Result<Errors> {
     let [Some(coarse), Some(fine)] = [0, LEVELS].map(|more| reel.ground(&bare, more, run)) else {
         return Ok(Errors::default());
     };
+    let faces = [&coarse, &fine].map(|ground| ground.surface.real_faces);
     let coarse = Film::on(reel, Some(coarse), &bare, run)?;
     let fine = Film::on(reel, Some(fine), &bare, run)?;
-    Ok(compare(&coarse, &fine))
+    Ok(Errors { faces, ..compare(&coarse, &fine) })
 }
 
 /// Compares two films of the same shot.

@@ -210,7 +210,7 @@ impl Reel<'_> {
             }
             let ground = Ground::of(self.scene, &frame, knobs, &[]);
             let mut details = crate::refine::details(self, &ground, knobs);
-            details.iter_mut().for_each(|d| d.levels += more);
+            crate::refine::finer(&mut details, &frame, &ground, more);
             let as_it_is = details.iter().all(|d| *d == Detail::default());
             let mut ground =
                 if as_it_is { ground } else { Ground::of(self.scene, &frame, knobs, &details) };

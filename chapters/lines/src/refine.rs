@@ -20,6 +20,8 @@ const LOOKS: usize = 5;
 const MOST: f64 = 0.8;
 /// Faces that refinement may lead to, and those it may where it is worth it.
 const FACES: [usize; 2] = [400_000, 2_000_000];
+/// Faces of the surface by which visibility is checked, at most.
+const FINEST: usize = 8_000_000;
 /// What a face must take away to be worth it, square pixels.
 const WORTH: f64 = 5.0;
 
@@ -34,16 +36,45 @@ pub(crate) fn details(reel: &Reel<'_>, ground: &Ground, knobs: &LinesKnobs) -> V
     }
     let wanted: Vec<f64> = lengths.iter_mut().map(|l| halvings(l, knobs)).collect();
     let level = |wanted: &f64| wanted.clamp(0.0, f64::from(knobs.subdivide)) as u8;
-    let mut faces = vec![0usize; lengths.len()];
-    let frame = (reel.at)(0).0;
-    for source in &ground.surface.sources {
-        faces[frame.objects[source.object as usize].shape] += 1;
-    }
+    let faces = faces(&(reel.at)(0).0, ground);
     let error = |l: &Vec<f64>| l.iter().map(|l| l * l).sum();
     let errors: Vec<f64> = lengths.iter().map(error).collect();
     let levels = affordable(&wanted.iter().map(level).collect::<Vec<u8>>(), &faces, &errors);
     let detail = |(levels, wanted): (u8, &f64)| Detail { levels, facets: *wanted > 0.0 };
     levels.into_iter().zip(&wanted).map(detail).collect()
+}
+
+/// Refines shapes `more` times further where there may be faces for it.
+pub(crate) fn finer(details: &mut [Detail], frame: &Frame, ground: &Ground, more: u8) {
+    let mut levels: Vec<u8> = details.iter().map(|d| d.levels).collect();
+    deepen(&mut levels, &faces(frame, ground), more);
+    details.iter_mut().zip(levels).for_each(|(detail, levels)| detail.levels = levels);
+}
+
+/// `more` levels for each shape, those with the fewest faces first, as far as these faces suffice.
+fn deepen(levels: &mut [u8], faces: &[usize], more: u8) {
+    let cost = |shape: usize, levels: u8| faces[shape].saturating_mul(1 << (2 * levels));
+    let mut all: usize = levels.iter().enumerate().map(|(i, l)| cost(i, *l)).sum();
+    let mut order: Vec<usize> = (0..levels.len()).collect();
+    order.sort_by_key(|i| cost(*i, levels[*i]));
+    for _ in 0..more {
+        for &i in &order {
+            let gained = 3 * cost(i, levels[i]);
+            if all.saturating_add(gained) <= FINEST {
+                all += gained;
+                levels[i] += 1;
+            }
+        }
+    }
+}
+
+/// How many faces each shape of a frame has.
+fn faces(frame: &Frame, ground: &Ground) -> Vec<usize> {
+    let mut faces = vec![0usize; frame.shapes.len()];
+    for source in &ground.surface.sources {
+        faces[frame.objects[source.object as usize].shape] += 1;
+    }
+    faces
 }
 
 /// Adds the picture lengths of crossed edges to those of their shapes.
@@ -120,6 +151,19 @@ mod tests {
         fine.push(100.0);
         assert!(halvings(&mut fine, &knobs) <= 0.0);
         assert_eq!(halvings(&mut [], &knobs), 0.0);
+    }
+
+    #[test]
+    fn the_finest_surface_is_bounded() {
+        let deepened = |levels: &[u8], faces: &[usize]| {
+            let mut levels = levels.to_vec();
+            deepen(&mut levels, faces, 2);
+            levels
+        };
+        assert_eq!(deepened(&[1, 0], &[1000, 50_000]), [3, 2]);
+        // 1.9 million make 7.6, and no more; what is small is refined all the same.
+        assert_eq!(deepened(&[0, 1], &[1_900_000, 500]), [1, 3]);
+        assert_eq!(deepened(&[0], &[3_000_000]), [0]);
     }
 
     #[test]
