@@ -1,4 +1,4 @@
-//! Strokes with grain, torn edges or a picture as filled outlines, for vector files.
+//! Strokes with grain, torn edges or a picture, and double lines, as filled outlines, for vector files.
 //!
 //! Ink is looked at on a grid of thirds of a pixel, with haloes; where there is more of it than a
 //! level is one tone, filled over those before it. Specks and streaks are there or not: two tones.
@@ -7,7 +7,7 @@
 use super::contour::{Node, contours};
 use super::grain::Inking;
 use super::halo::Halos;
-use super::knob::{Brush, Grain};
+use super::knob::{Brush, Grain, Mark};
 use super::marks::ribbons;
 use super::paint::{Strip, Stroke, place};
 use crate::Point;
@@ -56,7 +56,9 @@ type Tones = [f32; 4];
 /// The tones of a stroke, the palest first; `None` for one that is even in its outlines.
 pub fn tones(stroke: &Stroke<'_>, halos: &Halos) -> Option<Vec<Tone>> {
     let inking = Inking { brush: stroke.brush, texture: stroke.texture };
-    if inking.is_even() && stroke.brush.rough <= 0.0 {
+    // Of a double line the outlines of what is covered and of what is left out run into each other at turns.
+    let is_double = stroke.brush.mark == Mark::Double;
+    if inking.is_even() && stroke.brush.rough <= 0.0 && !is_double {
         return None;
     }
     let levels = levels(stroke.brush, inking.is_even());
@@ -201,5 +203,26 @@ mod tests {
             right: false,
         };
         assert_eq!(tones(&plain, &Halos::default()), None);
+    }
+
+    #[test]
+    fn double_lines_turn_without_a_mess() {
+        // Teeth that the line is nearly too wide for: its pieces lie over each other where it turns.
+        let knot = |i: usize| {
+            let tooth = (i % 12) as f32 / 6.0 - 1.0;
+            let at = Vec2::new(20.0 + 1.5 * i as f32, 50.0 + 12.0 * tooth.abs());
+            Knot { at, u: 2.0 * i as f64, depth: 0.0 }
+        };
+        let spine = Spine::new((0..130).map(knot).collect(), false, Axis { seed: 4, period: None });
+        let brush = Brush { mark: Mark::Double, width: 1.5, gap: 9.0, ..Brush::default() };
+        let (texture, colour) = (None, [0.0, 0.0, 0.0, 1.0]);
+        let stroke =
+            Stroke { spine: &spine, brush: &brush, texture, colour, hides: true, right: false };
+        let picture = paint(&[stroke], &Plane::filled(250, 100, [1.0; 4]), [1.0; 4]);
+        let wanted: f64 = picture.pixels().iter().map(|p| 1.0 - f64::from(p[0])).sum();
+        let tones = tones(&stroke, &Halos::default()).unwrap();
+        let found: f64 = tones.iter().map(area).sum();
+        assert!(tones.len() == 1 && (found / wanted - 1.0).abs() < 0.06, "{found} for {wanted}");
+        assert!(tones[0].outlines.len() < 5, "{} outlines", tones[0].outlines.len());
     }
 }
