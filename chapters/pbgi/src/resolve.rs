@@ -225,7 +225,7 @@ fn around(
     let sequence = Sequence::new((y * buffer.size().0 + x) as u64);
     let mut own = [0.0; 3];
     for k in 0..OWN_SAMPLES {
-        let numbers = numbers(lit.lights, &sequence, k, 2);
+        let numbers = numbers(lit.lights, &sequence, index * OWN_SAMPLES + k, 2);
         let e = lit.lights.soft_irradiance(lit.tracer, lit.surfaces, vertex, &numbers);
         (0..3).for_each(|c| own[c] += e[c] / OWN_SAMPLES as f32);
     }
