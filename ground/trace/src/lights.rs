@@ -79,22 +79,10 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> [f32; 3] {
-        let sky = self.sky_candidate(at, numbers.sky, shared);
-        let sky = arriving(tracer, sky.into_iter());
-        plus(self.irradiance_of_scene(tracer, surfaces, at, numbers, shared), sky)
-    }
-
-    /// The same of what is in the scene: lamps and what shines.
-    pub fn irradiance_of_scene(
-        &self,
-        tracer: &Tracer,
-        surfaces: &Surfaces,
-        at: &Vertex,
-        numbers: &LightNumbers,
-        shared: bool,
-    ) -> [f32; 3] {
         let lamps = self.lamp_irradiance(tracer, at, numbers.choice);
-        plus(lamps, self.glow_irradiance(tracer, surfaces, at, numbers, shared))
+        let glow = self.glow_irradiance(tracer, surfaces, at, numbers, shared);
+        let sky = self.sky_candidate(at, numbers.sky, shared).into_iter();
+        plus(plus(lamps, glow), arriving(tracer, sky))
     }
 
     /// Irradiance at a vertex by the lamps, or where there are many by one that a number chooses.
