@@ -160,7 +160,8 @@ mod tests {
             Surfel { position, normal, alive: [true; 2], ..Surfel::default() }
         };
         let all: Vec<Surfel> = (0..4000).map(surfel).collect();
-        let surfels = Surfels { all, spacing: (2.0f32 / 4000.0).sqrt(), uneven: false };
+        let surfels =
+            Surfels { all, spacing: (2.0f32 / 4000.0).sqrt(), uneven: false, covered: Vec::new() };
         let grid = SurfelGrid::new(&surfels);
         // Floor 1, wall 3, with noise; their backs 10.
         let mean = |i: usize| if i.is_multiple_of(2) { 1.0 } else { 3.0 };

@@ -49,6 +49,8 @@ pub struct Back {
 
 /// What is so many times as far as the rest lies behind it.
 const BEHIND: f32 = 1.5;
+/// What is free before it, less than which is ever less of a gap: splats that fill a texel leave cracks.
+const CRACK: [f32; 2] = [0.0, 0.4];
 
 /// Directions and solid angles of a cube's texels.
 #[derive(Clone, Debug)]
@@ -70,6 +72,8 @@ const WIDE: f32 = 1.0;
 const SOME: [f32; 2] = [0.0, 0.1];
 /// The mean coverage of the texels around a nearly full one between which it comes to be closed.
 const CLOSED: [f32; 2] = [0.65, 0.85];
+/// Distances over that of a texel around it between which one comes to show what lies behind an opening.
+const OPENING: [f32; 2] = [1.25, 2.0];
 
 impl CubeShape {
     /// A cube of `side` x `side` texels a face.
@@ -396,16 +400,18 @@ impl CubeBuffer {
         }
     }
 
-    /// The mean coverage of the texels around one, on its face.
+    /// The mean coverage of the texels around one, on its face, by what does not lie far before it.
     fn around(&self, texel: usize) -> f32 {
         let side = self.shape.side;
+        let own = self.texels[texel].mean_distance();
         let (x, y, face) = (texel % side, texel / side % side, texel / (side * side));
         let (mut sum, mut count) = (0.0, 0.0);
         for v in y.saturating_sub(1)..(y + 2).min(side) {
             for u in x.saturating_sub(1)..(x + 2).min(side) {
                 if (u, v) != (x, y) {
                     let t = &self.texels[(face * side + v) * side + u];
-                    sum += (t.coverage + t.near).min(1.0);
+                    let behind = smoothstep(OPENING, own / t.mean_distance());
+                    sum += (1.0 - behind) * (t.coverage + t.near).min(1.0);
                     count += 1.0;
                 }
             }
@@ -420,9 +426,11 @@ impl Texel {
             self.near = (self.near + share).min(1.0);
             return;
         }
-        let share = share.min(1.0 - self.coverage);
+        let behind = splat.distance * self.coverage > BEHIND * self.distance;
+        let free = if behind { self.gap() - self.back.coverage } else { 1.0 - self.coverage };
+        let share = share.min(free);
         if share > 0.0 {
-            if splat.distance * self.coverage > BEHIND * self.distance {
+            if behind {
                 self.back.coverage += share;
                 self.back.distance += share * splat.distance;
                 (0..3).for_each(|c| self.back.light[c] += share * splat.radiance[c]);
@@ -433,6 +441,12 @@ impl Texel {
             (0..2).for_each(|i| self.place[i] += share * place[i]);
             (0..3).for_each(|c| self.light[c] += share * splat.radiance[c]);
         }
+    }
+
+    /// The share through which what lies far behind is seen.
+    fn gap(&self) -> f32 {
+        let free = 1.0 - (self.coverage - self.back.coverage);
+        free * smoothstep(CRACK, free)
     }
 
     /// The mean normal of what is there; nothing where nothing is.
@@ -449,6 +463,7 @@ impl Texel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chiaro_basis::math::vec3;
     use chiaro_basis::random::r2;
     use std::f32::consts::{PI, TAU};
 
@@ -462,6 +477,37 @@ mod tests {
                 assert_eq!(shape.texel(*d), i);
             }
         }
+    }
+
+    #[test]
+    fn cracks_show_nothing_and_openings_show_what_lies_behind() {
+        let shape = CubeShape::new(8);
+        let i = shape.texel(vec3(0.2, 0.1, 1.0));
+        let seen = |share: f32| {
+            let mut buffer = CubeBuffer::new(shape.clone());
+            for (share, distance, light) in [(share, 1.0, 1.0), (1.0, 9.0, 100.0)] {
+                buffer.fill(i, [light; 3], distance, (share, [0.0; 2]));
+            }
+            buffer.texels()[i].light[0] / buffer.texels()[i].coverage
+        };
+        assert!(seen(0.95) < 1.5, "{}", seen(0.95));
+        assert!((seen(0.6) / 40.6 - 1.0).abs() < 1e-4, "{}", seen(0.6));
+        assert!((1..100).all(|k| seen(0.01 * k as f32) < seen(0.01 * (k - 1) as f32)));
+    }
+
+    #[test]
+    fn what_is_seen_through_an_opening_is_not_taken_for_a_crack() {
+        let shape = CubeShape::new(8);
+        let i = shape.texel(vec3(0.2, 0.1, 1.0));
+        let seen = |distance: f32| {
+            let mut buffer = CubeBuffer::new(shape.clone());
+            for k in (0..64).map(|k| i / 64 * 64 + k).filter(|k| *k != i) {
+                buffer.fill(k, [0.0; 3], 5.0, (1.0, [0.0; 2]));
+            }
+            buffer.fill(i, [1.0; 3], distance, (0.5, [0.0; 2]));
+            buffer.radiance(i)[0]
+        };
+        assert!((seen(5.0) - 1.0).abs() < 1e-4 && (seen(12.0) - 0.5).abs() < 1e-4);
     }
 
     #[test]

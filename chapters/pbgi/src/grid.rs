@@ -156,7 +156,8 @@ mod tests {
             Surfel { position, normal, alive: [!i.is_multiple_of(5), true], ..Surfel::default() }
         };
         let all: Vec<Surfel> = (0..2000).map(surfel).collect();
-        let surfels = Surfels { all, spacing: (2.0f32 / 2000.0).sqrt(), uneven: false };
+        let surfels =
+            Surfels { all, spacing: (2.0f32 / 2000.0).sqrt(), uneven: false, covered: Vec::new() };
         let grid = SurfelGrid::new(&surfels);
         let reach = (1.5 * surfels.spacing).powi(2);
         for i in 0..400 {
@@ -178,8 +179,12 @@ mod tests {
     fn every_surfel_near_a_point_is_found_once() {
         let place = |i: u64| vec3(unit(1, i), 0.2 * unit(2, i), unit(3, i)) - 0.5;
         let surfel = |i| Surfel { position: place(i), normal: Vec3::Y, ..Surfel::default() };
-        let surfels =
-            Surfels { all: (0..3000).map(surfel).collect(), spacing: 0.05, uneven: false };
+        let surfels = Surfels {
+            all: (0..3000).map(surfel).collect(),
+            spacing: 0.05,
+            uneven: false,
+            covered: Vec::new(),
+        };
         let grid = SurfelGrid::new(&surfels);
         for i in 5000..5200 {
             let near = |k: &usize| {

@@ -1,6 +1,7 @@
 //! From a lit frame to the irradiance of every pixel.
 
 use crate::bounce::bounce;
+use crate::cover;
 use crate::cube::CubeShape;
 use crate::glossy;
 use crate::grid::SurfelGrid;
@@ -149,6 +150,8 @@ pub fn prepare<'a>(
     let irradiance = run.stage("direct", count, || {
         bounce(&lit, &mut surfels, &grid, times, knobs.bounce_rays, run)
     })?;
+    let shown = run.stage("direct", 0, || cover::shown(&lit, &surfels, (&surfels, &grid)));
+    cover::show(&mut surfels, &shown);
     let in_tree = if by_records && !knobs.is_compact() { &[] } else { &surfels.all[..] };
     let tree = run.stage("tree", in_tree.len() as u64, || Tree::build_by(knobs.hierarchy, in_tree));
     let irradiance = if times > 0 { irradiance } else { Vec::new() };

@@ -40,6 +40,7 @@ pub mod classic;
 mod cluster;
 pub mod code;
 pub mod compact;
+mod cover;
 mod coverage;
 mod crevice;
 pub mod cube;

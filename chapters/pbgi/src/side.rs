@@ -11,6 +11,8 @@
 //! lamp close by is before it: what a double-sided one lights between itself and a ceiling is as bright as itself, and
 //! hidden by so little that it would be seen through it.
 //!
+//! A dark side lives but is covered where nearly all rays end a few spacings above its plane: what it sends is told by `cover`.
+//!
 //! Half of the rays are tried first; the others only when those disagree. Sides that get direct
 //! light live: faces of a double-sided model may wind either way. So do those that a ray leaves into a sky that
 //! shines: the few samples of their light may have missed it, and were the dark ones among many to die, the others
@@ -23,6 +25,9 @@ use chiaro_trace::{Ray, Sequence, Sides, cosine_direction};
 
 /// Spacings within which all rays must end for a side to be buried.
 const BURIED: f32 = 4.0;
+/// Spacings above a side's plane, and from its place, within which nearly all rays must end for it to be covered.
+pub(crate) const NARROW: f32 = 8.0;
+const LONG: f32 = 16.0;
 
 /// How near a lamp hides a side, in radii of the bounds or in spacings, whichever is more; the share of rays that must
 /// pass it; and the most of such a lamp, the root of its area in radii.
@@ -37,19 +42,27 @@ struct Met {
     fronts: u32,
     backs: u32,
     near: u32,
+    low: u32,
     /// Whether one left into a sky that shines there.
     sky: bool,
 }
 
 impl Met {
     fn is_dead(&self) -> bool {
-        let nearly_all = self.rays - self.rays / 8;
-        self.backs >= nearly_all || self.fronts == 0 || self.near == self.rays
+        self.backs >= self.nearly_all() || self.fronts == 0 || self.near == self.rays
+    }
+
+    fn is_covered(&self) -> bool {
+        !self.sky && !self.is_dead() && self.low >= self.nearly_all()
+    }
+
+    fn nearly_all(&self) -> u32 {
+        self.rays - self.rays / 8
     }
 
     fn is_sure(&self) -> bool {
         let clear = |n: u32| n == 0 || n == self.rays;
-        clear(self.fronts) && clear(self.backs) && clear(self.near)
+        clear(self.fronts) && clear(self.backs) && clear(self.near) && self.low == 0
     }
 }
 
@@ -61,14 +74,15 @@ pub fn close(lit: &Lit, bounds: &Bounds, spacing: f32) -> f32 {
 }
 
 /// Finds the dead sides of a lit surfel with at most `rays` rays a side, told which the sky lights; `bounds` hold everything
-/// drawn, `spacing` is that of surfels, and `close` where lamps hide sides.
+/// drawn, `spacing` is that of surfels, and `close` where lamps hide sides. Which sides are covered.
 pub fn test(
     (lit, by_sky): (&Lit, [bool; 2]),
     bounds: &Bounds,
     surfel: &mut Surfel,
     (spacing, close): (f32, f32),
     (rays, seed): (u32, u64),
-) {
+) -> [bool; 2] {
+    let mut covered = [false; 2];
     let sequence = Sequence::new(!seed);
     for (side, by_sky) in by_sky.into_iter().enumerate() {
         let normal = if side == 0 { surfel.normal } else { -surfel.normal };
@@ -94,7 +108,9 @@ pub fn test(
             }
         }
         surfel.alive[side] = met.sky || !met.is_dead();
+        covered[side] = met.is_covered();
     }
+    covered
 }
 
 /// How far bounds reach above a plane.
@@ -137,6 +153,8 @@ fn meet(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, spacing: f32, 
     } else {
         met.backs += 1;
     }
+    let height = hit.t * direction.dot(normal);
+    met.low += u32::from(height < NARROW * spacing && hit.t < LONG * spacing);
     if hit.t < BURIED * spacing {
         met.near += 1;
     }

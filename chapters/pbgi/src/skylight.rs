@@ -99,7 +99,8 @@ mod tests {
             ..Surfel::default()
         };
         let all: Vec<Surfel> = (0..4000).map(surfel).collect();
-        let surfels = Surfels { all, spacing: (1.0f32 / 4000.0).sqrt(), uneven: false };
+        let surfels =
+            Surfels { all, spacing: (1.0f32 / 4000.0).sqrt(), uneven: false, covered: Vec::new() };
         let sky: Vec<Skylight> = (0..4000).map(|i| seen(share(position(i).x), i)).collect();
         let after = settled(&surfels, &SurfelGrid::new(&surfels), &sky);
         let told = |i: usize| (position(i as u64).x, sky[i].irradiance[0][0], after[i][0][0]);

@@ -15,6 +15,7 @@
 
 use crate::code::{Book, HEADROOM, Lobes, Recipe, turned};
 use crate::compact::{Builder, Compact, Format};
+use crate::cover;
 use crate::curve::{BITS, Cube};
 use crate::facing;
 use crate::hierarchy::Hierarchy;
@@ -228,13 +229,10 @@ fn each_batch<T: Hierarchy>(
 /// Sites with all light that they receive.
 fn lit_sites<T: Hierarchy>(sparse: &Prepared<T>, sites: &[Site], run: &Run) -> Result<Vec<Surfel>> {
     let knobs: &LightKnobs = &sparse.knobs;
-    let mut surfels = Surfels::light(&sparse.lit, sites, knobs, run)?.all;
+    let mut surfels = Surfels::light(&sparse.lit, sites, knobs, run)?;
     let Reflected { grid, irradiance, .. } = &sparse.reflected;
-    if irradiance.is_empty() {
-        return Ok(surfels);
-    }
     run.stage("direct", 0, || {
-        surfels.par_iter_mut().for_each(|s| {
+        let reflect = |s: &mut Surfel| {
             for side in (0..2).filter(|k| s.alive[*k]) {
                 let normal = if side == 0 { s.normal } else { -s.normal };
                 let near = grid.nearest(&sparse.surfels, s.position, normal);
@@ -242,9 +240,14 @@ fn lit_sites<T: Hierarchy>(sparse: &Prepared<T>, sites: &[Site], run: &Run) -> R
                 let more = irradiance[k as usize][other];
                 (0..3).for_each(|c| s.radiance[side][c] += s.albedo[c] * FRAC_1_PI * more[c]);
             }
-        });
+        };
+        if !irradiance.is_empty() {
+            surfels.all.par_iter_mut().for_each(reflect);
+        }
+        let shown = cover::shown(&sparse.lit, &surfels, (&sparse.surfels, grid));
+        cover::show(&mut surfels, &shown);
     });
-    Ok(surfels)
+    Ok(surfels.all)
 }
 
 /// What makes sites again and again.

@@ -51,6 +51,8 @@ pub struct Surfels {
     pub spacing: f32,
     /// Whether their areas differ.
     pub uneven: bool,
+    /// Which sides lie in a narrow gap, where light and eyes do not reach: none, or one of each surfel.
+    pub covered: Vec<[bool; 2]>,
 }
 
 /// A surfel's area over the mean from which on areas differ.
@@ -107,16 +109,17 @@ impl Surfels {
                 run.check()?;
                 let sky = light(lit, &sites[index], surfel, (index as u64, of_sky));
                 let by_sky = sky.is_lit();
-                if knobs.side_rays > 0 {
-                    let lit_by_sky = (lit, by_sky);
-                    side::test(lit_by_sky, &bounds, surfel, near, (knobs.side_rays, index as u64));
-                }
-                Ok(sky)
+                let covered = match knobs.side_rays {
+                    0 => [false; 2],
+                    rays => side::test((lit, by_sky), &bounds, surfel, near, (rays, index as u64)),
+                };
+                Ok((sky, covered))
             };
             all.par_iter_mut().enumerate().map(one).collect::<Result<Vec<_>>>()
         })?;
+        let (sky, covered): (Vec<_>, Vec<_>) = sky.into_iter().unzip();
         let sky = if lit.lights.sky.is_some() { sky } else { Vec::new() };
-        Ok((Self { all, spacing, uneven }, sky))
+        Ok((Self { all, spacing, uneven, covered }, sky))
     }
 
     /// How many sides are dead.
