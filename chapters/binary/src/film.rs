@@ -61,6 +61,16 @@ impl Plan {
         key.saturating_sub(reach)..(key + self.window - reach).min(self.frames)
     }
 
+    /// How much of a link's worth frames hold on with: less where the shot ends before a window does. What
+    /// a change gains counts on fewer frames there, while its links cost as much, and whole faces
+    /// would keep the wrong label to the end.
+    fn foresight(&self, window: &Range<usize>) -> f32 {
+        match window.end == self.frames {
+            true => (window.len() as f32 / self.window as f32).sqrt(),
+            false => 1.0,
+        }
+    }
+
     /// The frames without which a block cannot be labelled.
     pub fn needed(&self, block: &Range<usize>) -> Range<usize> {
         let last = if block.end < self.frames { self.around(block.end).end } else { block.end };
@@ -179,7 +189,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         (before, key): (&Plane<u8>, Option<&Plane<u8>>),
         run: &Run,
     ) -> Result<(Plane<u8>, f32)> {
-        let paced = (layer, self.pace.of(layer));
+        let paced = (layer, self.pace.of(layer) * self.plan.foresight(&window));
         let after = key.map(|labels| self.bond(window.end, paced, labels));
         let known = Known { before: Some(before), after };
         let labels = self.cut(window.clone(), paced, &known, run)?;

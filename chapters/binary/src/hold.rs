@@ -24,7 +24,7 @@ const CHANGE_SIDE: f32 = 16.0;
 const LEAST_CHANGE_SIDE: usize = 8;
 
 /// The part of a cut's energy that links may add at the default `coherence`; it goes with it.
-const USUAL_COST: f32 = 0.025;
+const USUAL_COST: f32 = 0.027;
 const USUAL_COHERENCE: f32 = 0.3;
 
 /// How much of the way to that cost is made in a frame, as a power, how far at most, and the limits.

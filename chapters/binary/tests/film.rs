@@ -111,6 +111,37 @@ fn frames_that_hold_on_to_each_other_reverse_less() {
     assert_eq!(alone.energy_excess(), 0.0);
 }
 
+/// A still film in black of which a square wants a little to be white on one frame.
+fn glimpse(frames: usize, at: usize) -> Vec<(usize, Plane<u8>)> {
+    let (w, h) = SIZE;
+    let knobs = BinaryKnobs { island: 0.0, ..BinaryKnobs::default() };
+    let mut film: Film<'_, Made> = Film::new(Plan { frames, window: 5 }, &knobs);
+    let mut fetch = |i: usize| {
+        let is_in = |x, y| i == at && (14..26).contains(&x) && (9..21).contains(&y);
+        let difference = Plane::from_fn(w, h, |x, y| if is_in(x, y) { 0.04 } else { -0.3 });
+        let covered = Plane::filled(w, h, true);
+        let graph = Graph::new(&covered, &difference, &Plane::filled(w, h, [1.0; 4]), &knobs);
+        let link = |x: usize, y: usize| if i == 0 { UNLINKED } else { (y * w + x) as u32 };
+        Ok(Made(Cel::new(graph, Plane::from_fn(w, h, link))?))
+    };
+    let mut out = Vec::new();
+    let mut done = |i: usize, _: &Made, labels: &[Plane<u8>]| {
+        out.push((i, labels[0].clone()));
+        Ok(())
+    };
+    film.label(&(0..frames), &mut fetch, &mut done, &Run::default()).unwrap();
+    out
+}
+
+#[test]
+fn the_last_frames_hold_on_less_than_what_is_undone() {
+    let middle = (20, 15);
+    let undone = glimpse(BLOCK, 11);
+    assert!(undone.iter().all(|(_, labels)| labels[middle] == 0));
+    let last = glimpse(12, 11);
+    assert!(last.iter().all(|(i, labels)| labels[middle] == u8::from(*i == 11)));
+}
+
 #[test]
 fn islands_are_gone_from_every_frame() {
     let knobs = BinaryKnobs { island: 480.0 * 480.0 / 900.0 * 12.0, ..BinaryKnobs::default() };
