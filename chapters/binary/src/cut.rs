@@ -1,11 +1,14 @@
 //! From weights to labels: fixed-point capacities, the minimal cut, and its measures.
 
+use crate::geometry::{capacities, neighbour_factors};
 use crate::knob::{BinaryKnobs, REFERENCE_HEIGHT};
 use crate::mend::Costs;
 use crate::round::reach;
 use chiaro_basis::{Error, Result};
 use chiaro_image::{Plane, Runs};
 use chiaro_mincut::Grid;
+use chiaro_trace::GBuffer;
+use std::borrow::Cow;
 use std::f32::consts::FRAC_1_SQRT_2;
 
 /// The graph of a picture in integers.
@@ -36,6 +39,9 @@ pub struct Labels {
 const UNITS: f32 = 8192.0;
 const LARGEST: f32 = 16_000.0;
 
+/// Units in N~ with which capacities tell features from other pairs.
+const LEAST_UNITS: f32 = 256.0;
+
 impl Graph {
     /// Rounds weights to units: N~ of the knobs times `factors` between neighbours, and
     /// `difference` (W - B) at the terminals. The scale depends on knobs and height alone, so that
@@ -46,25 +52,44 @@ impl Graph {
         factors: &Plane<[f32; 4]>,
         knobs: &BinaryKnobs,
     ) -> Self {
-        let strength = knobs.neighbour * mask.height() as f32 / REFERENCE_HEIGHT;
-        let scale = UNITS.min(LARGEST / strength.max(1e-6));
-        let diagonal = if knobs.diagonal { FRAC_1_SQRT_2 } else { 1.0 };
-        let along = [1.0, diagonal, 1.0, diagonal].map(|d| d * strength * scale);
-        let runs = Runs::of(mask);
-        let terminal = runs.plane([0; 2], |y, run, terminal| {
-            let row = difference.row(y)[run.clone()].iter().zip(&mask.row(y)[run]);
-            for (terminal, (d, m)) in terminal.iter_mut().zip(row) {
-                // Beyond 4 a pixel is as good as bound.
-                let units = nearest(d.clamp(-4.0, 4.0) * scale);
-                *terminal = if *m { [units.max(0), (-units).max(0)] } else { [0, 0] };
-            }
-        });
-        let neighbour = runs.plane([0; 4], |y, run, neighbour| {
+        let (units, scale) = units(mask.height(), knobs);
+        let neighbour = Runs::of(mask).plane([0; 4], |y, run, neighbour| {
             for (neighbour, f) in neighbour.iter_mut().zip(&factors.row(y)[run]) {
-                *neighbour = std::array::from_fn(|e| nearest(f[e] * along[e]));
+                *neighbour = rounded(*f, units);
             }
         });
+        let terminal = terminals(mask, difference, scale);
         Self { mask: mask.clone(), terminal, neighbour, scale }
+    }
+
+    /// The graph of what is seen, [`Graph::new`] with [`neighbour_factors`](crate::neighbour_factors)
+    /// in one go, and its feature pairs. Whoever owns what is seen may let it go before
+    /// `difference`, from which terminals are made, is asked for.
+    pub fn of<'a>(
+        buffer: Cow<'_, GBuffer>,
+        difference: impl FnOnce() -> Cow<'a, Plane<f32>>,
+        knobs: &BinaryKnobs,
+    ) -> (Self, FeaturePairs) {
+        let (units, scale) = units(buffer.covered.height(), knobs);
+        let (neighbour, pairs) = if units[0] < LEAST_UNITS {
+            let factors = neighbour_factors(&buffer, knobs);
+            (factors.map(|f| rounded(*f, units)), FeaturePairs::of(&factors))
+        } else {
+            let neighbour = capacities(&buffer, units, knobs);
+            let pairs = FeaturePairs::among(&neighbour, |c| c as f32);
+            (neighbour, pairs)
+        };
+        let mask = match buffer {
+            Cow::Owned(buffer) => buffer.covered,
+            Cow::Borrowed(buffer) => buffer.covered.clone(),
+        };
+        let terminal = terminals(&mask, &difference(), scale);
+        (Self { mask, terminal, neighbour, scale }, pairs)
+    }
+
+    /// Sets what pulls each pixel, W - B.
+    pub(crate) fn set_difference(&mut self, difference: &Plane<f32>) {
+        self.terminal = terminals(&self.mask, difference, self.scale);
     }
 
     /// The minimal cut.
@@ -115,7 +140,34 @@ impl Graph {
     }
 }
 
+/// Units of capacity in N~ to E, SE, S and SW, and in a weight of 1.
+fn units(height: usize, knobs: &BinaryKnobs) -> ([f32; 4], f32) {
+    let strength = knobs.neighbour * height as f32 / REFERENCE_HEIGHT;
+    let scale = UNITS.min(LARGEST / strength.max(1e-6));
+    let diagonal = if knobs.diagonal { FRAC_1_SQRT_2 } else { 1.0 };
+    ([1.0, diagonal, 1.0, diagonal].map(|d| d * strength * scale), scale)
+}
+
+/// Capacities to white and to black of covered pixels.
+fn terminals(mask: &Plane<bool>, difference: &Plane<f32>, scale: f32) -> Plane<[i32; 2]> {
+    Runs::of(mask).plane([0; 2], |y, run, terminal| {
+        let row = difference.row(y)[run.clone()].iter().zip(&mask.row(y)[run]);
+        for (terminal, (d, m)) in terminal.iter_mut().zip(row) {
+            // Beyond 4 a pixel is as good as bound.
+            let units = nearest(d.clamp(-4.0, 4.0) * scale);
+            *terminal = if *m { [units.max(0), (-units).max(0)] } else { [0, 0] };
+        }
+    })
+}
+
+/// Capacities of a pixel's neighbour weights.
+#[inline(always)]
+pub(crate) fn rounded(factors: [f32; 4], units: [f32; 4]) -> [i32; 4] {
+    std::array::from_fn(|e| nearest(factors[e] * units[e]))
+}
+
 /// The nearest integer, halves away from zero, in a form that loops over pixels vectorize.
+#[inline(always)]
 fn nearest(x: f32) -> i32 {
     (x + 0.5f32.copysign(x)) as i32
 }
@@ -138,9 +190,17 @@ pub struct FeaturePairs(Plane<u8>);
 impl FeaturePairs {
     /// The feature pairs of a picture's neighbour weights.
     pub fn of(factors: &Plane<[f32; 4]>) -> Self {
-        let largest = factors.pixels().iter().map(|f| f[0].max(f[2])).fold(0.0, f32::max);
-        let weak = |f: f32| u8::from(f < 0.5 * largest);
-        Self(factors.map(|f| weak(f[0]) | weak(f[2]) << 1))
+        Self::among(factors, |f| f)
+    }
+
+    /// Those among weights to E, SE, S and SW in any unit.
+    fn among<T: Copy + Sync>(weights: &Plane<[T; 4]>, number: impl Fn(T) -> f32 + Sync) -> Self {
+        let pair = |w: &[T; 4]| [number(w[0]), number(w[2])];
+        let largest = weights.pixels().iter().flat_map(pair).fold(0.0, f32::max);
+        Self(weights.map(|w| {
+            let [across, down] = pair(w).map(|f| u8::from(f < 0.5 * largest));
+            across | down << 1
+        }))
     }
 }
 

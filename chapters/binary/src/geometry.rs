@@ -12,6 +12,7 @@
 //! curvature exactly on a sphere and half the crease angle over c on a crease, where the window
 //! sum gives a little more.
 
+use crate::cut::rounded;
 use crate::knob::{BinaryKnobs, CurvatureForm, DepthForm, scaled};
 use crate::rows;
 use chiaro_basis::math::Vec3;
@@ -29,6 +30,19 @@ pub fn neighbour_factors(buffer: &GBuffer, knobs: &BinaryKnobs) -> Plane<[f32; 4
     match &field.mean_normal {
         Some(mean) => rows::factors(buffer, mean, field.window, knobs),
         None => edge_by_edge(&field),
+    }
+}
+
+/// [`neighbour_factors`] times `units`, rounded to integers.
+pub(crate) fn capacities(
+    buffer: &GBuffer,
+    units: [f32; 4],
+    knobs: &BinaryKnobs,
+) -> Plane<[i32; 4]> {
+    let field = Field::new(buffer, knobs);
+    match &field.mean_normal {
+        Some(mean) => rows::capacities(buffer, (mean, field.window), units, knobs),
+        None => edge_by_edge(&field).map(|f| rounded(*f, units)),
     }
 }
 

@@ -15,6 +15,7 @@
 //!
 //! [`neighbour_factors`]: crate::neighbour_factors
 
+use crate::cut::rounded;
 use crate::geometry::EDGES;
 use crate::knob::{BinaryKnobs, DepthForm};
 use chiaro_basis::math::Vec3;
@@ -38,12 +39,33 @@ pub(crate) fn factors(
     window: f32,
     knobs: &BinaryKnobs,
 ) -> Plane<[f32; 4]> {
+    weighed((buffer, mean_normal, window), knobs, [0.0; 4], |factors| factors)
+}
+
+/// [`factors`] times `units`, rounded: with no plane between them, since to write one and to read it
+/// again takes a tenth of the time.
+pub(crate) fn capacities(
+    buffer: &GBuffer,
+    (mean_normal, window): (&Plane<[f32; 3]>, f32),
+    units: [f32; 4],
+    knobs: &BinaryKnobs,
+) -> Plane<[i32; 4]> {
+    weighed((buffer, mean_normal, window), knobs, [0; 4], |f| rounded(f, units))
+}
+
+/// What `finish` makes of the factors of each pixel, and `nothing` beside the runs of covered pixels.
+fn weighed<T: Copy + Send>(
+    (buffer, mean_normal, window): (&GBuffer, &Plane<[f32; 3]>, f32),
+    knobs: &BinaryKnobs,
+    nothing: T,
+    finish: impl Fn([f32; 4]) -> T + Sync,
+) -> Plane<T> {
     let (width, height) = buffer.size();
     let source = Source { buffer, mean_normal, raw: knobs.depth_form == DepthForm::Raw };
     let scales: [Scales; 4] = std::array::from_fn(|e| Scales::new(buffer.radius, window, e, knobs));
     let runs = Runs::of(&buffer.covered);
-    let mut factors = vec![[0.0; 4]; width * height];
-    factors.par_chunks_mut(width.max(1) * BLOCK).enumerate().for_each(|(block, rows)| {
+    let mut out = vec![nothing; width * height];
+    out.par_chunks_mut(width.max(1) * BLOCK).enumerate().for_each(|(block, rows)| {
         let first = block * BLOCK;
         let (mut here, mut below) = (Row::new(width), Row::new(width));
         here.load(&source, &runs, first);
@@ -52,22 +74,22 @@ pub(crate) fn factors(
             for run in runs.row(y) {
                 for start in run.clone().step_by(STRIP) {
                     let strip = start..(start + STRIP).min(run.end);
-                    weigh_strip(&here, &below, &scales, start, &mut row[strip]);
+                    weigh_strip((&here, &below), &scales, start, &mut row[strip], &finish);
                 }
             }
             std::mem::swap(&mut here, &mut below);
         }
     });
-    Plane::from_pixels(width, height, factors)
+    Plane::from_pixels(width, height, out)
 }
 
 /// The four weights of each pixel of a strip of at most [`STRIP`], from its row and the next.
-fn weigh_strip(
-    here: &Row,
-    below: &Row,
+fn weigh_strip<T>(
+    (here, below): (&Row, &Row),
     scales: &[Scales; 4],
     start: usize,
-    strip: &mut [[f32; 4]],
+    strip: &mut [T],
+    finish: impl Fn([f32; 4]) -> T,
 ) {
     let mut edges = [[0.0; STRIP]; 4];
     for (e, edge) in edges.iter_mut().enumerate() {
@@ -77,7 +99,7 @@ fn weigh_strip(
     }
     let [a, b, c, d] = &edges;
     for ((((out, a), b), c), d) in strip.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-        *out = [*a, *b, *c, *d];
+        *out = finish([*a, *b, *c, *d]);
     }
 }
 

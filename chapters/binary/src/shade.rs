@@ -61,17 +61,17 @@ pub struct Steps {
 pub struct Weights {
     /// W - B (3.1).
     pub difference: Plane<f32>,
-    /// Neighbour weights relative to N~ (3.2), to E, SE, S, SW.
-    pub factors: Plane<[f32; 4]>,
     /// The graph in integers.
     pub graph: Graph,
+    /// Which pairs of pixels are features.
+    pub pairs: FeaturePairs,
 }
 
 impl Weights {
     /// Mixes in what strokes teach, and binds what they paint.
-    pub fn paint(&mut self, paint: &Paint, knobs: &BinaryKnobs) {
+    pub fn paint(&mut self, paint: &Paint) {
         self.difference = paint.mixed(&self.difference);
-        self.graph = Graph::new(&self.graph.mask, &self.difference, &self.factors, knobs);
+        self.graph.set_difference(&self.difference);
         paint.bind(&mut self.graph);
     }
 }
@@ -105,18 +105,19 @@ pub fn prepare(
     let features = run.stage("lines", pixels, || Features::find(&view.buffer, knobs));
     let view = without_lines(view);
     run.stage("weights", pixels, || {
-        let factors = neighbour_factors(&view.buffer, knobs);
-        let covered = view.buffer.covered.clone();
-        drop(view);
-        let difference = match paint {
-            Some(paint) => paint.mixed(&difference),
-            None => difference,
+        let buffer = match view {
+            Cow::Owned(view) => Cow::Owned(view.buffer),
+            Cow::Borrowed(view) => Cow::Borrowed(&view.buffer),
         };
-        let mut graph = Graph::new(&covered, &difference, &factors, knobs);
+        let difference = || match paint {
+            Some(paint) => Cow::Owned(paint.mixed(&difference)),
+            None => Cow::Borrowed(&difference),
+        };
+        let (mut graph, pairs) = Graph::of(buffer, difference, knobs);
         if let Some(paint) = paint {
             paint.bind(&mut graph);
         }
-        Ok(Prepared { graph, pairs: FeaturePairs::of(&factors), features })
+        Ok(Prepared { graph, pairs, features })
     })
 }
 
@@ -186,9 +187,9 @@ pub fn weigh(view: &View, exposure: &Exposure, knobs: &BinaryKnobs, run: &Run) -
     let covered = &view.buffer.covered;
     let weights = run.stage("weights", covered.len() as u64, || {
         let difference = terminal(view, exposure, knobs);
-        let factors = neighbour_factors(&view.buffer, knobs);
-        let graph = Graph::new(covered, &difference, &factors, knobs);
-        Weights { difference, factors, graph }
+        let (graph, pairs) =
+            Graph::of(Cow::Borrowed(&view.buffer), || Cow::Borrowed(&difference), knobs);
+        Weights { difference, graph, pairs }
     });
     run.check()?;
     Ok(weights)

@@ -89,12 +89,11 @@ impl Setting<'_> {
         let Self { knobs, exposure, palette, .. } = self;
         let mut weights = weigh(view, exposure, knobs, run)?;
         if let Some(paint) = &paint {
-            weights.paint(paint, knobs);
+            weights.paint(paint);
         }
-        let Weights { factors, graph, .. } = weights;
+        let Weights { graph, pairs, .. } = weights;
         let pixels = graph.mask.len() as u64;
         let features = run.stage("lines", pixels, || Features::find(&view.buffer, knobs));
-        let pairs = FeaturePairs::of(&factors);
         let how = (*exposure, *knobs);
         let cel = run.stage("cut", pixels, || -> Result<Cel> {
             let layers = film_layers(palette, view, &graph, how, paint.as_ref())?;
