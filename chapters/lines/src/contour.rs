@@ -99,8 +99,7 @@ impl Scenery<'_> {
         let mix = |v: &[DVec3]| v[a].lerp(v[b], c.at);
         let world = mix(&self.posed.positions);
         let normal = mix(&self.posed.normals).normalize_or_zero();
-        let sag = sags.of(a as u32).max(sags.of(b as u32));
-        let pushed = world + normal * (PUSH * sag);
+        let pushed = world + normal * sags.push(&[a as u32, b as u32]);
         Point { world, next: self.next.map(mix), pushed, on_chain }
     }
 
@@ -140,16 +139,21 @@ impl Scenery<'_> {
 }
 
 /// How far the surface leaves the tangent planes around vertices; found when asked for.
-struct Sags<'a> {
+pub(crate) struct Sags<'a> {
     scenery: &'a Scenery<'a>,
     known: Vec<f64>,
     ring: Ring,
 }
 
 impl<'a> Sags<'a> {
-    fn new(scenery: &'a Scenery<'a>) -> Self {
+    pub(crate) fn new(scenery: &'a Scenery<'a>) -> Self {
         let known = vec![f64::NAN; scenery.surface.anchors.len()];
         Self { scenery, known, ring: Ring::default() }
+    }
+
+    /// How far points at some vertices are pushed out.
+    pub(crate) fn push(&mut self, vertices: &[u32]) -> f64 {
+        PUSH * vertices.iter().map(|v| self.of(*v)).fold(0.0, f64::max)
     }
 
     /// The greatest within `passes` rings.

@@ -8,7 +8,7 @@
 //!
 //! Faces that only touch, or lie in one plane, share no line.
 
-use crate::contour::Scenery;
+use crate::contour::{Sags, Scenery};
 use crate::path::{Kind, Path, Point, Segment};
 use crate::sight::Sight;
 use crate::surface::{NONE, Surface};
@@ -50,8 +50,9 @@ pub(crate) fn intersections(scenery: &Scenery<'_>, sight: &Sight<'_>) -> Vec<Pat
         }
     }
     let chains = chained(&shared);
-    let path = |(i, c): (usize, &Chain)| path(i as u32, c, &shared, &holes, scenery, &edges);
-    chains.iter().enumerate().map(path).collect()
+    let mut sags = Sags::new(scenery);
+    let chains = chains.iter().enumerate();
+    chains.map(|(i, c)| path(i as u32, c, &shared, (&holes, &mut sags), scenery)).collect()
 }
 
 /// A face, or a piece, with its least and greatest coordinates.
@@ -282,21 +283,23 @@ fn path(
     index: u32,
     chain: &Chain,
     shared: &[Shared],
-    holes: &HashMap<Hole, f64>,
+    (holes, sags): (&HashMap<Hole, f64>, &mut Sags<'_>),
     scenery: &Scenery<'_>,
-    edges: &Edges<'_>,
 ) -> Path {
-    let point = |(hole, k): (Hole, usize)| {
-        let [a, b] = edges.surface.ends(hole.0).map(|v| v as usize);
-        let t = holes[&hole];
-        let mix = |v: &[DVec3]| v[a].lerp(v[b], t);
-        let world = mix(&scenery.posed.positions);
-        Point { world, next: scenery.next.map(mix), pushed: world, on_chain: k as f64 }
+    let mix = |hole: &Hole, v: &[DVec3]| {
+        let [a, b] = scenery.surface.ends(hole.0).map(|v| v as usize);
+        v[a].lerp(v[b], holes[hole])
+    };
+    let at = |hole: &Hole| mix(hole, &scenery.posed.positions);
+    let mut point = |(hole, k): (Hole, usize)| {
+        let (world, normal) = (at(&hole), mix(&hole, &scenery.posed.normals));
+        let next = scenery.next.map(|next| mix(&hole, next));
+        let pushed = world + push(hole, (world, normal), scenery, sags);
+        Point { world, next, pushed, on_chain: k as f64 }
     };
     let ends = std::iter::once(chain.first).chain(chain.steps.iter().map(|s| s.1));
     let ends: Vec<Hole> = ends.collect();
     let faces: Vec<[u32; 2]> = chain.steps.iter().map(|s| shared[s.0].faces).collect();
-    let at = |hole: &Hole| point((*hole, 0)).world;
     let along = |(ends, faces): (&[Hole], &[u32; 2])| {
         (at(&ends[1]) - at(&ends[0])).dot(direction(scenery, *faces))
     };
@@ -309,6 +312,29 @@ fn path(
         (0..faces.len()).map(|k| segment(faces[order(k, faces.len())])).collect();
     let (view, margin) = (scenery.view, scenery.margin);
     Path::new(Kind::Intersection, index, chain.closed, &points, &segments, view, margin)
+}
+
+/// How far an edge's hole in a face is pushed out of both surfaces, where they face the viewer: near outlines
+/// the faces around would hide it.
+fn push(
+    (edge, face): Hole,
+    (at, normal): (DVec3, DVec3),
+    scenery: &Scenery<'_>,
+    sags: &mut Sags<'_>,
+) -> DVec3 {
+    let posed = scenery.posed;
+    let corners = scenery.surface.faces[face as usize];
+    let [a, b, c] = corners.map(|v| posed.positions[v as usize] - at);
+    let plane = posed.face_normals[face as usize];
+    let shares = [b.cross(c), c.cross(a), a.cross(b)].map(|s| s.dot(plane));
+    let through = |k: usize| posed.normals[corners[k] as usize] * shares[k];
+    let through = through(0) + through(1) + through(2);
+    let eye = scenery.view.to_eye(at);
+    let mut out = |normal: DVec3, vertices: &[u32]| match normal.normalize_or_zero() {
+        n if n.dot(eye) > 0.0 => n * sags.push(vertices),
+        _ => DVec3::ZERO,
+    };
+    out(normal, &scenery.surface.ends(edge)) + out(through, &corners)
 }
 
 /// The way along what two faces share: told by which of their pieces, or of themselves, comes first.

@@ -2,7 +2,8 @@
 //!
 //! Where a surface is noisy or coarse its outline changes from loop to loop: one goes under, and within a
 //! pixel or two another comes out and runs on. Runs whose ends meet so, in the picture and in depth, are
-//! one line. Nearest ends are joined first, each once; what overlaps is cut off.
+//! one line; so are those of which one ends beside the other's first pixels. Nearest ends are joined first, each
+//! once; what overlaps is cut off.
 
 use crate::path::Path;
 use crate::view::View;
@@ -17,6 +18,8 @@ const TURN: f64 = 0.5;
 const ASIDE: f64 = 2.0;
 /// Greatest difference in depth, in pixels of that depth.
 const BEHIND: f64 = 30.0;
+/// How far a line may have begun, and run beside another, where that ends, pixels.
+const LAP: f64 = 16.0;
 
 /// A line as it is drawn: runs of paths, one after the other.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,14 +114,17 @@ fn joints(paths: &[Path], runs: &[(usize, Run)], reach: f64, view: &View) -> Vec
     let mut joints = Vec::new();
     for (from, end) in ends.iter().enumerate() {
         let Some([_, end]) = end else { continue };
-        let first = starts.partition_point(|s| s.0 < end.at.x - reach);
-        for &(_, to) in starts[first..].iter().take_while(|s| s.0 <= end.at.x + reach) {
+        let wide = if reach > 0.0 { reach.max(LAP) } else { 0.0 };
+        let first = starts.partition_point(|s| s.0 < end.at.x - wide);
+        for &(_, to) in starts[first..].iter().take_while(|s| s.0 <= end.at.x + wide) {
             let Some([start, _]) = &ends[to] else { continue };
             let length = paths[runs[to].0].run_length(runs[to].1);
             let fits = |j: &Joint| {
                 length > j.overlap + 1.0 && (from != to || length > REACH * reach.max(REACH))
             };
-            joints.extend(joint((from, end), (to, start), reach, view).filter(fits));
+            let meets = joint((from, end), (to, start), reach, view);
+            let laps = || lap(paths, (from, end, runs[from]), (to, start, runs[to]), view);
+            joints.extend(meets.or_else(laps).filter(fits));
         }
     }
     joints.sort_by(|a, b| a.cost.total_cmp(&b.cost).then((a.from, a.to).cmp(&(b.from, b.to))));
@@ -139,6 +145,35 @@ fn joint(
     let fits = distance <= reach && turn >= TURN && aside <= ASIDE && behind <= BEHIND;
     let cost = distance + REACH * (1.0 - turn);
     fits.then(|| Joint { cost, from, to, overlap: (-ahead).max(0.0) })
+}
+
+/// The joint of a run with one that begins before its end and runs beside it from there.
+fn lap(
+    paths: &[Path],
+    (from, end, old): (usize, &End, (usize, Run)),
+    (to, start, new): (usize, &End, (usize, Run)),
+    view: &View,
+) -> Option<Joint> {
+    let back = end.at - start.at;
+    let overlap = back.dot(end.along);
+    if from == to || overlap <= 0.0 || back.length() > LAP {
+        return None;
+    }
+    let at = |(path, run): (usize, Run), length: f64| {
+        let path = &paths[path];
+        let all = path.run_length(run);
+        let first = path.length_around(if length < 0.0 { run.end } else { run.start });
+        let seen = |l: f64| path.seen_at(path.place_around(first + l));
+        (length.abs() + REACH < all).then(|| seen(length).zip(seen(length + 1.0))).flatten()
+    };
+    // The new line where the old one ends, and the old one where the new one starts.
+    let ((here, ahead), (there, _)) = (at(new, overlap)?, at(old, -overlap)?);
+    let along = (ahead.at - here.at).normalize_or_zero();
+    let aside = here.at.distance(end.at).max(there.at.distance(start.at));
+    let behind = (here.depth - end.depth).abs() / view.pixel(end.depth.min(here.depth));
+    let fits = along.dot(end.along) >= TURN && aside <= ASIDE && behind <= BEHIND;
+    let cost = LAP + overlap + REACH * (1.0 - along.dot(end.along));
+    fits.then_some(Joint { cost, from, to, overlap })
 }
 
 /// Start and end of a run; `None` for whole loops.

@@ -154,8 +154,8 @@ impl<'a> Sight<'a> {
     }
 
     /// Whether some face other than `own` hides a point, at least `slack` (scene units) nearer than it is; a point
-    /// `pushed` out of the surface for faces of its own piece, where it is for those of others: what stands on a
-    /// floor is not pushed into it. Far outside the picture nothing is hidden.
+    /// `pushed` out of the surface for faces of its own piece, there and where it is for those of others: what stands
+    /// on a floor is not pushed into it. Far outside the picture nothing is hidden.
     pub fn hidden(&self, [pushed, plain]: [Seen; 2], slack: f64, own: &[u32; 2]) -> bool {
         let Some(tile) = self.grid.at(pushed.at) else { return false };
         if self.surely_hidden(pushed.at, pushed.depth) {
@@ -163,25 +163,36 @@ impl<'a> Sight<'a> {
         }
         let pieces = &self.surface.pieces;
         let of = |f: u32| pieces.get(f as usize).copied();
-        let own_piece = own.iter().find_map(|f| of(*f)).filter(|_| self.several);
-        let is_own = |f: u32| own_piece.is_none_or(|p| of(f) == Some(p));
+        let own_pieces = own.map(of);
+        // Where two pieces meet neither is its own.
+        let own_piece =
+            own_pieces.into_iter().flatten().reduce(|p, q| if p == q { p } else { NONE });
+        let is_own = |f: u32| own_piece.is_some_and(|p| of(f) == Some(p));
         let nearer = |f: u32, Seen { at, depth }: Seen| {
             !own.contains(&f) && self.depth(f, at).is_some_and(|z| z > 0.0 && z < depth - slack)
         };
-        if own_piece.is_none() || pushed == plain {
+        if !self.several || own_piece.is_none() || pushed == plain {
             return self.faces_at(tile, [&pushed; 2]).any(|f| nearer(f, pushed));
         }
-        match self.grid.at(plain.at) {
-            Some(other) if other == tile => self
-                .faces_at(tile, [&pushed, &plain])
-                .any(|f| nearer(f, if is_own(f) { pushed } else { plain })),
-            other => {
-                self.faces_at(tile, [&pushed; 2]).any(|f| is_own(f) && nearer(f, pushed))
-                    || other.is_some_and(|other| {
-                        self.faces_at(other, [&plain; 2]).any(|f| !is_own(f) && nearer(f, plain))
-                    })
+        // What others hide they hide at both places: near an outline they may reach into its facets.
+        let beside = self.grid.at(plain.at).filter(|t| *t != tile);
+        let mut before = [false; 2];
+        for f in self.faces_at(tile, [&pushed, &plain]) {
+            if is_own(f) {
+                if nearer(f, pushed) {
+                    return true;
+                }
+            } else {
+                before[0] = before[0] || nearer(f, pushed);
+                before[1] = before[1] || (beside.is_none() && nearer(f, plain));
+            }
+            if before == [true; 2] {
+                return true;
             }
         }
+        let hides = |f: u32| !is_own(f) && nearer(f, plain);
+        let there = || beside.is_some_and(|t| self.faces_at(t, [&plain; 2]).any(hides));
+        before[0] && (before[1] || there())
     }
 
     /// The faces of a tile that may be before one of two points.

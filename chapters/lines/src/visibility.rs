@@ -358,7 +358,8 @@ impl Looker<'_> {
         };
         let k = (place as usize).min(self.path.segments.len() - 1);
         let own = &self.path.segments[k].own;
-        let slack = if point.pushed == point.world { EDGE_SLACK } else { SLACK };
+        let met = self.path.kind == Kind::Intersection;
+        let slack = if met || point.pushed == point.world { EDGE_SLACK } else { SLACK };
         (self.path.fringe || !self.sight.in_hole(seen.at, own))
             && !self.sight.hidden([seen, plain], slack * seen.depth, own)
     }

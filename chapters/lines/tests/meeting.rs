@@ -3,7 +3,7 @@
 mod meshes;
 
 use chiaro_basis::Run;
-use chiaro_basis::math::{Vec3, vec3};
+use chiaro_basis::math::{Quat, Vec3, vec3};
 use chiaro_lines::parameter::parameterize;
 use chiaro_lines::{Film, FilmFrame, Kind, LinesKnobs, Reel, View};
 use chiaro_scene::{Pose, Projection, Scene};
@@ -59,8 +59,7 @@ fn where_pieces_meet_lines_run_the_same_way_in_every_frame() {
     let pose = Pose::look_at(vec3(2.0, 5.0, 3.0), Vec3::ZERO, Vec3::Y, projection);
     let mut ways = [[0; 2]; 2];
     for i in 0..12 {
-        let turn = chiaro_basis::math::Quat::from_rotation_y(0.37 * i as f32)
-            * chiaro_basis::math::Quat::from_rotation_x(0.02);
+        let turn = Quat::from_rotation_y(0.37 * i as f32) * Quat::from_rotation_x(0.02);
         let ring = positions.iter().map(|p| turn * *p);
         let all = ring.chain(sheet.iter().map(|p| *p * 3.0)).collect();
         let scene = scene(all, triangles.clone(), false);
@@ -77,6 +76,33 @@ fn where_pieces_meet_lines_run_the_same_way_in_every_frame() {
     for way in ways {
         assert!(way[0].min(way[1]) == 0 && way[0].max(way[1]) > 200, "{way:?}");
     }
+}
+
+#[test]
+fn outlines_of_coarse_balls_that_dip_into_each_other_have_no_gaps() {
+    // Their outlines are chords, and where they meet each is within the other.
+    let (ball, faces) = ball(5);
+    let count = ball.len() as u32;
+    let mut loose = Vec::new();
+    for i in 0..24 {
+        let turn = |by: f32| Quat::from_rotation_x(by) * Quat::from_rotation_y(1.7 * by);
+        let (first, second) = (turn(0.31 * i as f32), turn(2.0 - 0.43 * i as f32));
+        let aside = first * vec3(0.5, 0.2, 0.1);
+        let mut positions: Vec<Vec3> = ball.iter().map(|p| first * *p).collect();
+        positions.extend(ball.iter().map(|p| second * *p * 0.8 + aside));
+        let other = faces.iter().map(|f| f.map(|v| v + count));
+        let frame =
+            from_above(&scene(positions, faces.iter().copied().chain(other).collect(), false));
+        for (k, stroke) in frame.strokes.iter().enumerate().filter(|(_, s)| !s.closed) {
+            for end in [stroke.samples[0], stroke.samples[stroke.samples.len() - 1]] {
+                let others = frame.strokes.iter().enumerate().filter(|(j, _)| *j != k);
+                let samples = others.flat_map(|(_, s)| &s.samples);
+                let nearest = samples.map(|p| p.at.distance(end.at)).fold(f64::MAX, f64::min);
+                loose.extend((nearest > 5.0).then_some((i, end.at, nearest)));
+            }
+        }
+    }
+    assert!(loose.len() <= 2, "{loose:?}");
 }
 
 #[test]

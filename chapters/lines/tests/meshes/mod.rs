@@ -123,3 +123,28 @@ pub(crate) fn sheet(n: u32, wave: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let triangles = cells.flat_map(|a| [[a, a + side, a + side + 1], [a, a + side + 1, a + 1]]);
     ((0..side * side).map(point).collect(), triangles.collect())
 }
+
+/// A ball of radius 1 with `n` rings of twice as many quads, in triangles.
+pub(crate) fn ball(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let pi = std::f32::consts::PI;
+    let mut positions = vec![Vec3::Y, Vec3::NEG_Y];
+    for i in 1..n {
+        let (height, around) = (i as f32 * pi / n as f32, pi / n as f32);
+        let at = |j: u32| {
+            let (z, x) = (j as f32 * around).sin_cos();
+            vec3(height.sin() * x, height.cos(), height.sin() * z)
+        };
+        positions.extend((0..2 * n).map(at));
+    }
+    let at = |i: u32, j: u32| match i {
+        0 => 0,
+        i if i == n => 1,
+        i => 2 + (i - 1) * 2 * n + j % (2 * n),
+    };
+    let quads = (0..n).flat_map(|i| (0..2 * n).map(move |j| (i, j)));
+    let halves = quads.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)];
+        [[a, b, c], [b, d, c]]
+    });
+    (positions, halves.filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]).collect())
+}
