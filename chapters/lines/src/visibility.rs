@@ -206,8 +206,10 @@ fn kept(
     lines.sort_by(|a, b| b.total(paths).total_cmp(&a.total(paths)));
     let mut kept = Vec::new();
     for line in lines {
-        let shares = line.parts.iter().map(|(i, run)| beside.share(&paths[*i], *run));
-        if !long(&line) && shares.fold(1.0, f64::min) >= MOSTLY {
+        let beside_others =
+            |(i, run): &(usize, Run)| beside.share(&paths[*i], *run) * paths[*i].run_length(*run);
+        let shared: f64 = line.parts.iter().map(beside_others).sum();
+        if !long(&line) && shared >= MOSTLY * line.total(paths) {
             continue;
         }
         for line in beside.parted_line(paths, line, gone).into_iter().filter(seen) {
@@ -457,4 +459,46 @@ fn straight(path: &Path, from: Place, to: Place) -> f64 {
         path.seen[k].map_or(DVec2::INFINITY, |s| s.at)
     };
     at(from).distance(at(to))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Point;
+    use chiaro_basis::math::{DVec3, Vec3};
+    use chiaro_scene::{Pose, Projection};
+
+    #[test]
+    fn a_short_line_that_is_mostly_beside_a_long_one_is_left_out() {
+        let projection = Projection::Orthographic { half_height: 50.0 };
+        let pose = Pose::look_at(Vec3::Z * 10.0, Vec3::ZERO, Vec3::Y, projection);
+        let view = View::new(pose, (100, 100));
+        let path = |a: [f64; 2], b: [f64; 2]| {
+            let point = |[x, y]: [f64; 2]| {
+                let world = DVec3::new(x, y, 0.0);
+                Point { world, next: None, pushed: world, on_chain: 0.0 }
+            };
+            let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+            Path::new(Kind::Silhouette, 0, false, &[point(a), point(b)], &[plain], &view, 8.0)
+        };
+        // An edge, and the ends of two tiles before it; a corner that leaves it.
+        let paths = [
+            path([-40.0, 0.0], [40.0, 0.0]),
+            path([0.0, 0.5], [4.8, 0.5]),
+            path([4.8, 0.5], [4.8, 1.0]),
+            path([4.8, 1.0], [9.6, 1.0]),
+            path([20.0, 0.5], [24.0, 0.5]),
+            path([24.0, 0.5], [24.0, 14.5]),
+        ];
+        let part = |i: usize| (i, Run { start: 0.0, end: 1.0 });
+        let line = |parts: &[usize]| {
+            let parts = parts.iter().copied().map(part).collect();
+            Line { parts, closed: false }
+        };
+        let bits = Bits::of(&paths, &view, 10.0, (0..6).map(part).collect());
+        let mut beside = Beside::new(1.5);
+        let lines = vec![line(&[0]), line(&[1, 2, 3]), line(&[4, 5])];
+        let kept = kept(&paths, lines, &bits, Some(&mut beside), &mut Vec::new());
+        assert_eq!(kept, [line(&[0]), line(&[4, 5])]);
+    }
 }
