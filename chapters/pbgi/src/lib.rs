@@ -10,7 +10,8 @@
 //!
 //! 1. [`sites`] spreads surfels evenly over all triangles ([`site`]), or [`poisson_sites`] at a least distance.
 //! 2. [`Surfels::light`] lights both sides of each and finds the dead ones: backs of walls, insides
-//!    of closed bodies ([`surfel`], [`side`]). What the sky gives is smoothed ([`skylight`]).
+//!    of closed bodies ([`surfel`], [`side`]). What the sky gives is smoothed ([`skylight`]); sides in
+//!    narrow gaps show what covers them (`cover`).
 //! 3. [`bounce`](bounce::bounce) lets surfels light each other, any number of times.
 //! 4. [`Tree::build`] sums area and radiance lobes bottom-up as spherical harmonics ([`harmonic`],
 //!    [`tree`]), surfaces that face different ways apart (`facing`); what a node stores is a type parameter ([`payload`]).

@@ -17,10 +17,10 @@ use serde_json::{Map, Value, json};
 const MOST_SAMPLES: u32 = 8192;
 const BATCH: u32 = 64;
 /// The reference's own error over the error that is measured, at most.
-const SURE: f64 = 0.2;
+const SURE: f64 = 0.4;
 
-/// Errors of irradiance at pixel centres against a path-traced reference, which goes on until its own error is a
-/// fifth of what is measured; a warning where it does not get there. The relative error is
+/// Errors of irradiance at pixel centres against a path-traced reference, which goes on until its own error is two
+/// fifths of what is measured; a warning where it does not get there. The relative error is
 /// without the reference's own, whose mean square is known from the spread of its batches and is taken away.
 pub(super) fn against_paths(
     shot: &Shot,
@@ -61,7 +61,7 @@ pub(super) fn against_paths(
         && own > SURE * e
     {
         run.warn(format!(
-            "after {MOST_SAMPLES} paths a pixel, the most there are, reference_error {own:.4} is still over a fifth \
+            "after {MOST_SAMPLES} paths a pixel, the most there are, reference_error {own:.4} is still over two fifths \
              of rmse_relative {e:.4}, from which it is taken away; the error is known less surely"
         ));
     }
