@@ -223,6 +223,22 @@ fn loops_close_with_whole_patterns_and_their_seams_stay() {
 }
 
 #[test]
+fn loops_that_are_propagated_close_with_whole_patterns() {
+    // Half a turn of a ring.
+    let mut film = torus_film(24, 7.5);
+    let knobs = LinesKnobs { method: Method::Propagate, ..plain() };
+    solve(&mut film, &knobs);
+    let strokes = || film.frames.iter().flat_map(|f| &f.strokes);
+    assert!(strokes().filter(|s| s.closed).count() >= 20);
+    for s in strokes().filter(|s| s.closed) {
+        let period = s.u_period.expect("closed strokes have a period");
+        assert!((period - period.round()).abs() < 1e-9, "{period}");
+        let stretch = s.total() / (period * s.pixels_per_u);
+        assert!((0.8..1.25).contains(&stretch), "{stretch}");
+    }
+}
+
+#[test]
 fn stretched_textures_cover_their_lines() {
     let mut film = torus_film(8, 1.0);
     let knobs = LinesKnobs { texture: Texture::Stretched, w_end: 10.0, ..plain() };

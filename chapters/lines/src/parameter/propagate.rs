@@ -3,7 +3,7 @@
 //! Every sample votes, at the place where its material point is one frame later, for its stroke and
 //! its u. A line goes on with the stroke that most of its length votes for; where a stretch of it
 //! votes for another one that disagrees, the line is split. u of each piece is fitted to its votes, by
-//! the same energies as the global solution, with no future in it.
+//! the same energies as the global solution, with no future in it; a line that closes has a whole number of patterns.
 
 use super::fit::Fit;
 use super::near::Near;
@@ -13,6 +13,7 @@ use crate::film::{Film, FilmFrame};
 use crate::knob::LinesKnobs;
 use crate::stroke::Stroke;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
 
 /// A stretch that votes for another stroke is split off from this length on, pixels.
 const SPLIT: f64 = 15.0;
@@ -27,6 +28,8 @@ struct Vote {
     length: f64,
     /// u in pixels.
     u: f64,
+    /// Once round in u, where its stroke closes, pixels.
+    turn: Option<f64>,
     weight: f64,
 }
 
@@ -74,6 +77,7 @@ fn votes(before: &FilmFrame, here: &FilmFrame) -> Vec<Vec<Vote>> {
                 at: (k, hit.share),
                 length: l[k] + (l[k + 1] - l[k]) * hit.share,
                 u: stroke.u[j] * stroke.pixels_per_u,
+                turn: stroke.u_period.map(|turn| turn * stroke.pixels_per_u),
                 weight: stroke.total() / stroke.samples.len() as f64,
             });
         }
@@ -153,17 +157,44 @@ fn runs(votes: &[Vote], sigma: f64) -> Vec<Run> {
 /// Fits u to the votes of the winning stroke.
 fn fit(stroke: &mut Stroke, votes: &[Vote], scale: f64, weights: &Weights) {
     let id = winner(votes);
+    let mut votes: Vec<Vote> = votes.iter().copied().filter(|v| Some(v.id) == id).collect();
+    let total = stroke.total();
+    let turn = (total / scale).round().max(1.0) * scale;
+    if stroke.closed {
+        unwind(&mut votes, total, turn);
+    }
     let mut fit = Fit::new(stroke.length.len());
     for (k, l) in stroke.length.windows(2).enumerate() {
         let ds = (l[1] - l[0]).max(1e-3);
         fit.step(k, ds, weights.distortion / ds);
     }
-    for v in votes.iter().filter(|v| Some(v.id) == id) {
+    for v in &votes {
         fit.value(v.at.0, v.at.1, v.u, weights.projection * v.weight);
     }
     fit.value(0, 0.0, 0.0, 1e-9);
-    let u = fit.solve().into_iter().map(|u| u / scale).collect();
-    stroke.set_u(u, scale);
+    let mut u = fit.solve();
+    if stroke.closed && total > 0.0 {
+        let rest = turn - (u[u.len() - 1] - u[0]);
+        u.iter_mut().zip(&stroke.length).for_each(|(u, l)| *u += rest * l / total);
+    }
+    stroke.set_u(u.into_iter().map(|u| u / scale).collect(), scale);
+}
+
+/// Moves the votes on a line that closes by whole turns, to where u rises by one `turn` along it: else those before
+/// and after the seam contradict each other, and are met by a loop of hardly any u.
+fn unwind(votes: &mut [Vote], total: f64, turn: f64) {
+    let of = |v: &Vote| v.turn.unwrap_or(turn).max(f64::MIN_POSITIVE);
+    let rest = |v: &Vote| v.u - turn * v.length / total.max(f64::MIN_POSITIVE);
+    let (mut sine, mut cosine) = (0.0, 0.0);
+    for v in votes.iter() {
+        let (s, c) = (TAU * rest(v) / of(v)).sin_cos();
+        sine += v.weight * s;
+        cosine += v.weight * c;
+    }
+    let mean = f64::atan2(sine, cosine) / TAU;
+    for v in votes {
+        v.u -= (rest(v) / of(v) - mean).round() * of(v);
+    }
 }
 
 /// The id of the stroke that goes on, unless another line of the frame has it.
