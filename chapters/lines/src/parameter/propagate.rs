@@ -3,7 +3,7 @@
 //! Every sample votes, at the place where its material point is one frame later, for its stroke and
 //! its u. A line goes on with the stroke that most of its length votes for; where a stretch of it
 //! votes for another one that disagrees, the line is split. u of each piece is fitted to its votes, by
-//! the same energies as the global solution, with no future in it; a line that closes has a whole number of patterns.
+//! the same energies as the global solution, with no future in it; a line that closes goes on with as much u around.
 
 use super::fit::Fit;
 use super::near::Near;
@@ -17,6 +17,8 @@ use std::f64::consts::TAU;
 
 /// A stretch that votes for another stroke is split off from this length on, pixels.
 const SPLIT: f64 = 15.0;
+/// A line that closes begins anew beyond this stretch, octaves.
+const STRETCH: f64 = 0.5;
 
 /// A sample's word on where its stroke goes on.
 #[derive(Clone, Copy)]
@@ -159,7 +161,7 @@ fn fit(stroke: &mut Stroke, votes: &[Vote], scale: f64, weights: &Weights) {
     let id = winner(votes);
     let mut votes: Vec<Vote> = votes.iter().copied().filter(|v| Some(v.id) == id).collect();
     let total = stroke.total();
-    let turn = (total / scale).round().max(1.0) * scale;
+    let turn = turn(&votes, total, scale);
     if stroke.closed {
         unwind(&mut votes, total, turn);
     }
@@ -174,10 +176,28 @@ fn fit(stroke: &mut Stroke, votes: &[Vote], scale: f64, weights: &Weights) {
     fit.value(0, 0.0, 0.0, 1e-9);
     let mut u = fit.solve();
     if stroke.closed && total > 0.0 {
-        let rest = turn - (u[u.len() - 1] - u[0]);
+        let around = u[u.len() - 1] - u[0];
+        let rest = if fits(around, total) { 0.0 } else { turn - around };
         u.iter_mut().zip(&stroke.length).for_each(|(u, l)| *u += rest * l / total);
     }
     stroke.set_u(u.into_iter().map(|u| u / scale).collect(), scale);
+}
+
+/// Once round in u of a line that closes: what most votes have, unless that is too far from its length, else whole
+/// patterns.
+fn turn(votes: &[Vote], total: f64, scale: f64) -> f64 {
+    let mut sums: BTreeMap<u64, f64> = BTreeMap::new();
+    for v in votes {
+        let turn = v.turn.filter(|turn| fits(*turn, total));
+        turn.into_iter().for_each(|turn| *sums.entry(turn.to_bits()).or_insert(0.0) += v.weight);
+    }
+    let most = sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    most.map_or((total / scale).round().max(1.0) * scale, |s| f64::from_bits(s.0))
+}
+
+/// Whether so many pixels of u stretch no more than they may along a line that closes.
+fn fits(u: f64, total: f64) -> bool {
+    u > 0.0 && (u / total).log2().abs() <= STRETCH
 }
 
 /// Moves the votes on a line that closes by whole turns, to where u rises by one `turn` along it: else those before
