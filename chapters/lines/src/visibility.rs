@@ -34,8 +34,9 @@ const ROW: usize = 4;
 const AGREE: f64 = 0.85;
 /// Silhouettes below so many times the shortest are left out where another runs beside them.
 const SHORT: f64 = 3.0;
-/// Share of a line that must run beside another.
+/// Share of each part of a line that must run beside another, or what of it in all may not, pixels.
 const MOSTLY: f64 = 0.7;
+const BARE: f64 = 3.0;
 /// Depth by which a face must be nearer to hide a point, in parts of the depth.
 const SLACK: f64 = 1e-6;
 /// The same for edges, which lie in their faces' planes and touch their neighbours.
@@ -206,10 +207,13 @@ fn kept(
     lines.sort_by(|a, b| b.total(paths).total_cmp(&a.total(paths)));
     let mut kept = Vec::new();
     for line in lines {
-        let beside_others =
-            |(i, run): &(usize, Run)| beside.share(&paths[*i], *run) * paths[*i].run_length(*run);
-        let shared: f64 = line.parts.iter().map(beside_others).sum();
-        if !long(&line) && shared >= MOSTLY * line.total(paths) {
+        let share = |(i, run): &(usize, Run)| {
+            let share = beside.share(&paths[*i], *run);
+            (share, (1.0 - share) * paths[*i].run_length(*run))
+        };
+        let shares: Vec<(f64, f64)> = line.parts.iter().map(share).collect();
+        let mostly = shares.iter().all(|s| s.0 >= MOSTLY);
+        if !long(&line) && (mostly || shares.iter().map(|s| s.1).sum::<f64>() <= BARE) {
             continue;
         }
         for line in beside.parted_line(paths, line, gone).into_iter().filter(seen) {
@@ -469,7 +473,7 @@ mod tests {
     use chiaro_scene::{Pose, Projection};
 
     #[test]
-    fn a_short_line_that_is_mostly_beside_a_long_one_is_left_out() {
+    fn a_short_line_that_is_all_but_beside_a_long_one_is_left_out() {
         let projection = Projection::Orthographic { half_height: 50.0 };
         let pose = Pose::look_at(Vec3::Z * 10.0, Vec3::ZERO, Vec3::Y, projection);
         let view = View::new(pose, (100, 100));
