@@ -28,7 +28,7 @@ const LEAST_SHARE: f32 = 0.6;
 const FULL_SHARE: f32 = 0.9;
 /// Tones that count as one, wholly and at all, and those among which they must stand out.
 const ONE: [f32; 2] = [0.06, 0.15];
-const AROUND: [f32; 2] = [0.2, 0.35];
+const AROUND: [f32; 2] = [0.16, 0.26];
 /// Tones are told apart in as many steps.
 const BINS: usize = 32;
 /// The shortest piece of a row and the smallest face that count, pixels and square pixels at 480.
@@ -365,6 +365,21 @@ mod tests {
         round.buffer.normal = Plane::filled(120, 80, [0.6, 0.8, 0.0]);
         let round = weights(&round);
         assert!(round[(60, 40)] > round[(60, 78)] + 0.1);
+    }
+
+    #[test]
+    fn a_soft_shadow_on_a_flat_face_is_of_one_weight() {
+        // A quarter of all tones darker than what is lit.
+        let tone = |x: usize, y: usize| match (x < 60, y < 40) {
+            (_, true) => 0.55,
+            (true, _) => 0.3 + 0.0004 * x as f32,
+            _ => 0.57,
+        };
+        let found = weights(&corner(tone));
+        let shadow: Vec<f32> = (0..60).map(|x| found[(x, 60)]).collect();
+        let least = shadow.iter().copied().fold(f32::MAX, f32::min);
+        let most = shadow.iter().copied().fold(f32::MIN, f32::max);
+        assert!(most - least < 0.05, "{least} to {most}");
     }
 
     #[test]
