@@ -62,35 +62,16 @@ mod tests {
     use crate::knob::LightKnobs;
     use crate::site::sites;
     use crate::surfel::Surfel;
+    use crate::veil::tests::sheets;
     use chiaro_basis::Run;
     use chiaro_basis::math::vec3;
-    use chiaro_scene::{Material, MaterialId, Mesh, MeshId, Node, Playback, Poser, Scene};
+    use chiaro_scene::{Playback, Poser};
     use chiaro_trace::{Lamp, Lights, Surfaces, Tracer};
-
-    /// Squares of side 2 across the x axis, each at a place and facing along it or against.
-    fn sheets(places: &[(f32, bool)]) -> Scene {
-        let mut mesh = Mesh::default();
-        for (x, along) in places {
-            let first = mesh.positions.len() as u32;
-            let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-            mesh.positions.extend(corners.map(|[y, z]| vec3(*x, y, z)));
-            let faces = if *along { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
-            mesh.triangles.extend(faces.map(|f| f.map(|v| first + v)));
-        }
-        mesh.materials = vec![MaterialId::new(0); mesh.triangles.len()];
-        let node = Node { mesh: Some(MeshId::new(0)), ..Node::default() };
-        Scene {
-            materials: vec![Material::default()],
-            meshes: vec![mesh],
-            nodes: vec![node],
-            ..Scene::default()
-        }
-    }
 
     #[test]
     fn a_wall_behind_a_door_shows_the_door_and_beside_it_stays_dark() {
         // A door of two sheets that the sun meets, a wall behind it, farther than what is buried, and what sees the door.
-        let scene = sheets(&[(0.0, false), (0.02, true), (0.3, false), (-9.0, false)]);
+        let scene = sheets(1.0, &[(0.0, false), (0.02, true), (0.3, false), (-9.0, false)]);
         let frame = Poser::new(&scene).frame(0.0, &Playback::default());
         let tracer = Tracer::new(&scene, &frame);
         let surfaces = Surfaces::new(&scene);

@@ -5,6 +5,10 @@
 //! that is still free. Coverage ends at 1, so that nearer things hide farther ones. A texel knows where in it
 //! that lies: light that grazes a receiver does not come from the middle of the texel above its plane.
 
+mod texel;
+
+pub use texel::{Back, Texel};
+
 use crate::cut::Splat;
 use chiaro_basis::math::{Vec3, smoothstep};
 
@@ -16,41 +20,6 @@ pub struct CubeBuffer {
     /// Distances and indices of splats, to be sorted.
     order: Vec<u64>,
 }
-
-/// One texel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Texel {
-    /// Radiance times coverage.
-    pub light: [f32; 3],
-    /// The share that is covered, in [0, 1].
-    pub coverage: f32,
-    /// Distance times coverage.
-    pub distance: f32,
-    /// Mean normal times coverage.
-    pub axis: Vec3,
-    /// Where in it what is covered lies, from its middle, in texels, times coverage.
-    pub place: [f32; 2],
-    /// The share in which something nearer than the near field's radius is.
-    pub near: f32,
-    /// Of all that, what lies far behind the rest.
-    pub back: Back,
-}
-
-/// What a texel shows through the gaps between splats, or beside what is nearer.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Back {
-    /// Radiance times coverage.
-    pub light: [f32; 3],
-    /// The share that is covered.
-    pub coverage: f32,
-    /// Distance times coverage.
-    pub distance: f32,
-}
-
-/// What is so many times as far as the rest lies behind it.
-const BEHIND: f32 = 1.5;
-/// What is free before it, less than which is ever less of a gap: splats that fill a texel leave cracks.
-const CRACK: [f32; 2] = [0.0, 0.4];
 
 /// Directions and solid angles of a cube's texels.
 #[derive(Clone, Debug)]
@@ -420,46 +389,6 @@ impl CubeBuffer {
     }
 }
 
-impl Texel {
-    fn cover(&mut self, splat: &Splat, share: f32, place: [f32; 2]) {
-        if splat.marks {
-            self.near = (self.near + share).min(1.0);
-            return;
-        }
-        let behind = splat.distance * self.coverage > BEHIND * self.distance;
-        let free = if behind { self.gap() - self.back.coverage } else { 1.0 - self.coverage };
-        let share = share.min(free);
-        if share > 0.0 {
-            if behind {
-                self.back.coverage += share;
-                self.back.distance += share * splat.distance;
-                (0..3).for_each(|c| self.back.light[c] += share * splat.radiance[c]);
-            }
-            self.coverage += share;
-            self.distance += share * splat.distance;
-            self.axis += splat.axis * share;
-            (0..2).for_each(|i| self.place[i] += share * place[i]);
-            (0..3).for_each(|c| self.light[c] += share * splat.radiance[c]);
-        }
-    }
-
-    /// The share through which what lies far behind is seen.
-    fn gap(&self) -> f32 {
-        let free = 1.0 - (self.coverage - self.back.coverage);
-        free * smoothstep(CRACK, free)
-    }
-
-    /// The mean normal of what is there; nothing where nothing is.
-    pub fn mean_axis(&self) -> Vec3 {
-        if self.coverage > 0.0 { self.axis / self.coverage } else { Vec3::ZERO }
-    }
-
-    /// The mean distance of what is there; infinite where nothing is.
-    pub fn mean_distance(&self) -> f32 {
-        if self.coverage > 0.0 { self.distance / self.coverage } else { f32::INFINITY }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -477,22 +406,6 @@ mod tests {
                 assert_eq!(shape.texel(*d), i);
             }
         }
-    }
-
-    #[test]
-    fn cracks_show_nothing_and_openings_show_what_lies_behind() {
-        let shape = CubeShape::new(8);
-        let i = shape.texel(vec3(0.2, 0.1, 1.0));
-        let seen = |share: f32| {
-            let mut buffer = CubeBuffer::new(shape.clone());
-            for (share, distance, light) in [(share, 1.0, 1.0), (1.0, 9.0, 100.0)] {
-                buffer.fill(i, [light; 3], distance, (share, [0.0; 2]));
-            }
-            buffer.texels()[i].light[0] / buffer.texels()[i].coverage
-        };
-        assert!(seen(0.95) < 1.5, "{}", seen(0.95));
-        assert!((seen(0.6) / 40.6 - 1.0).abs() < 1e-4, "{}", seen(0.6));
-        assert!((1..100).all(|k| seen(0.01 * k as f32) < seen(0.01 * (k - 1) as f32)));
     }
 
     #[test]

@@ -125,20 +125,17 @@ pub(crate) mod tests {
         Material, MaterialId, Mesh, MeshId, Node, Playback, Poser, Scene, Transform,
     };
 
-    /// A square wall of side 20 across the x axis.
-    pub(crate) fn wall(x: f32) -> Scene {
-        let corner = |y: f32, z: f32| vec3(x, 10.0 * y, 10.0 * z);
-        let mesh = Mesh {
-            positions: vec![
-                corner(-1.0, -1.0),
-                corner(1.0, -1.0),
-                corner(1.0, 1.0),
-                corner(-1.0, 1.0),
-            ],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            materials: vec![MaterialId::new(0); 2],
-            ..Mesh::default()
-        };
+    /// Squares across the x axis, so far to each side, each at a place and facing along the axis or against it.
+    pub(crate) fn sheets(half: f32, places: &[(f32, bool)]) -> Scene {
+        let mut mesh = Mesh::default();
+        for (x, along) in places {
+            let first = mesh.positions.len() as u32;
+            let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
+            mesh.positions.extend(corners.map(|[y, z]| vec3(*x, y, z)));
+            let faces = if *along { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
+            mesh.triangles.extend(faces.map(|f| f.map(|v| first + v)));
+        }
+        mesh.materials = vec![MaterialId::new(0); mesh.triangles.len()];
         let node = Node { mesh: Some(MeshId::new(0)), ..Node::default() };
         Scene {
             materials: vec![Material::default()],
@@ -146,6 +143,11 @@ pub(crate) mod tests {
             nodes: vec![node],
             ..Scene::default()
         }
+    }
+
+    /// A square wall of side 20 across the x axis.
+    fn wall(x: f32) -> Scene {
+        sheets(10.0, &[(x, true)])
     }
 
     /// The same moved up.
