@@ -1,29 +1,25 @@
 //! More bounces: surfels are receivers of each other's light.
 //!
-//! Each living side casts a fixed set of cosine-weighted rays once and remembers the surfels that
+//! Each living side casts cosine-weighted rays once and remembers the surfels that
 //! they meet; then a bounce is a sum over those, and a mean over the surfels around. The thesis gathers at every
 //! surfel by the tree; rays cost less there, and the sum over many surfels leaves no noise that could be seen. Along
 //! creases near rays see one or two surfels alone: there the mean keeps single surfels from being seen.
 
+use crate::estimate::{Estimate, settled};
 use crate::grid::SurfelGrid;
+use crate::links::Links;
 use crate::surfel::{Lit, Surfel, Surfels};
 use chiaro_basis::{Result, Run};
-use chiaro_trace::{Ray, Sequence, Sides, cosine_direction};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
 /// Irradiance by light that was reflected before, of each surfel's two sides.
 pub type Indirect = Vec<[[f32; 3]; 2]>;
 
-/// Means over what is around, one after the other.
-const SMOOTHINGS: u32 = 2;
 /// Cosine between normals below which surfels do not face the same way.
 const ALIGNED: f32 = 0.9;
 /// Distance from a surfel's plane, in the grid's reach, from which on others lie in another surface.
 const ASIDE: f32 = 0.25;
-
-/// Nothing met.
-const NONE: u32 = u32::MAX;
 
 /// Adds the light of up to `times` further reflections to the surfels' radiance; returns the
 /// irradiance that it came from.
@@ -39,13 +35,13 @@ pub fn bounce(
     if times == 0 {
         return Ok(total);
     }
-    let met = links(lit, surfels, grid, rays, run)?;
     let mut last: Vec<[[f32; 3]; 2]> = surfels.all.iter().map(|s| s.radiance).collect();
+    let links = Links::of(lit, surfels, grid, (&last, rays), run)?;
     for _ in 0..times {
         run.check()?;
-        let own: Indirect =
-            met.par_chunks(2 * rays as usize).map(|links| gathered(links, &last, rays)).collect();
-        let irradiance = (0..SMOOTHINGS).fold(own, |e, _| smoothed(surfels, grid, &e, |_, _| true));
+        let all = (0..last.len()).into_par_iter();
+        let own: Vec<Estimate> = all.map(|index| links.estimate(index, &last)).collect();
+        let irradiance = settled(surfels, grid, &own);
         last = surfels
             .all
             .par_iter()
@@ -64,6 +60,16 @@ pub fn bounce(
     Ok(total)
 }
 
+/// How much a surfel so far away, squared, counts in the mean over what is around another: nothing where it does not lie
+/// in the same plane.
+pub(crate) fn likeness(own: &Surfel, other: &Surfel, distance2: f32, reach: f32) -> f32 {
+    let cosine = other.normal.dot(own.normal);
+    let aside = (other.position - own.position).dot(own.normal).abs();
+    (1.0 - distance2 / reach.powi(2))
+        * ((cosine.abs() - ALIGNED) / (1.0 - ALIGNED)).max(0.0)
+        * (1.0 - aside / (ASIDE * reach)).max(0.0)
+}
+
 /// The mean over the living sides around each, as far as they face the same way and `alike` has it of both, each a
 /// surfel and its side.
 pub(crate) fn smoothed(
@@ -76,11 +82,8 @@ pub(crate) fn smoothed(
         let (mut sums, mut weights) = ([[0.0; 3]; 2], [0.0; 2]);
         grid.each_near(own.position, |other, distance2| {
             let s = &surfels.all[other];
+            let weight = likeness(own, s, distance2, grid.reach());
             let cosine = s.normal.dot(own.normal);
-            let aside = (s.position - own.position).dot(own.normal).abs();
-            let weight = (1.0 - distance2 / grid.reach().powi(2))
-                * ((cosine.abs() - ALIGNED) / (1.0 - ALIGNED)).max(0.0)
-                * (1.0 - aside / (ASIDE * grid.reach())).max(0.0);
             for side in 0..2 {
                 let its = if cosine < 0.0 { 1 - side } else { side };
                 if weight > 0.0 && s.alive[its] && alike((index, side), (other, its)) {
@@ -95,51 +98,6 @@ pub(crate) fn smoothed(
         })
     };
     surfels.all.par_iter().enumerate().map(around).collect()
-}
-
-/// For each surfel and side the sides that its rays meet: twice the surfel's index plus the side.
-fn links(
-    lit: &Lit,
-    surfels: &Surfels,
-    grid: &SurfelGrid,
-    rays: u32,
-    run: &Run,
-) -> Result<Vec<u32>> {
-    let mut met = vec![NONE; surfels.all.len() * 2 * rays as usize];
-    met.par_chunks_mut(2 * rays as usize).enumerate().try_for_each(|(index, links)| {
-        run.check()?;
-        let surfel = &surfels.all[index];
-        let sequence = Sequence::new(0x5000_0000 + index as u64);
-        for side in (0..2).filter(|s| surfel.alive[*s]) {
-            let normal = if side == 0 { surfel.normal } else { -surfel.normal };
-            let origin = surfel.position + normal * lit.tracer.offset();
-            for k in 0..rays {
-                let direction = cosine_direction(normal, sequence.point(k, side as u32));
-                let ray = Ray { origin, direction, t_max: f32::INFINITY };
-                let Some(hit) = lit.tracer.hit(&ray, Sides::Both) else { continue };
-                let [a, b, c] = lit.tracer.corners(hit.object, hit.face);
-                let face = (b - a).cross(c - a).normalize_or_zero();
-                let facing = if face.dot(direction) > 0.0 { -face } else { face };
-                let point = origin + direction * hit.t;
-                if let Some((k2, s2)) = grid.nearest(surfels, point, facing) {
-                    links[side * rays as usize + k as usize] = 2 * k2 + s2 as u32;
-                }
-            }
-        }
-        Ok(())
-    })?;
-    Ok(met)
-}
-
-/// Irradiance of a surfel's two sides: pi times the mean radiance that their rays meet.
-fn gathered(links: &[u32], radiance: &[[[f32; 3]; 2]], rays: u32) -> [[f32; 3]; 2] {
-    let mut sum = [[0.0; 3]; 2];
-    for (k, &link) in links.iter().enumerate().filter(|(_, l)| **l != NONE) {
-        let from = radiance[link as usize / 2][link as usize % 2];
-        let side = k / rays as usize;
-        (0..3).for_each(|c| sum[side][c] += PI / rays as f32 * from[c]);
-    }
-    sum
 }
 
 #[cfg(test)]

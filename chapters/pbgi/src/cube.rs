@@ -19,6 +19,17 @@ pub struct CubeBuffer {
     texels: Vec<Texel>,
     /// Distances and indices of splats, to be sorted.
     order: Vec<u64>,
+    /// What a splat covers.
+    covered: Vec<Covered>,
+}
+
+/// What a splat covers of a texel.
+#[derive(Clone, Copy, Debug)]
+struct Covered {
+    texel: usize,
+    share: f32,
+    /// Where that lies from the texel's middle, in texels.
+    place: [f32; 2],
 }
 
 /// Directions and solid angles of a cube's texels.
@@ -35,6 +46,8 @@ pub struct CubeShape {
 const NEARLY_FULL: [f32; 2] = [0.2, 0.4];
 /// Coverage and what is near between which a surface is taken to go on in the near field.
 const GOES_ON: [f32; 2] = [0.6, 0.8];
+/// A square of less than so much of its solid angle is made wider.
+const CLEARLY_LESS: f32 = 0.97;
 /// What looks larger reaches into any texel, steradians.
 const WIDE: f32 = 1.0;
 /// What has to be in a texel, far and near, for that.
@@ -76,12 +89,19 @@ impl CubeShape {
         4.0 * std::f32::consts::PI / (6 * self.side * self.side) as f32
     }
 
-    /// The solid angle under squares.
-    fn under(&self, squares: &Squares) -> f32 {
+    /// Finds what a square covers that is `factor` times as wide as the splat's; its solid angle.
+    #[inline]
+    fn under(&self, splat: &Splat, factor: f32, covered: &mut Vec<Covered>) -> f32 {
+        covered.clear();
         let mut sum = 0.0;
-        // All faces are alike.
-        let mut add = |texel: usize, share: f32, _| sum += share * self.solid_angles[texel];
-        squares.iter().for_each(|square| square.each(self.side, &mut add));
+        Square::each_of(splat, self.side, factor, |square| {
+            let base = square.face * self.side * self.side;
+            square.each(self.side, |texel, share, place| {
+                // All faces are alike.
+                sum += share * self.solid_angles[texel];
+                covered.push(Covered { texel: base + texel, share, place });
+            });
+        });
         sum
     }
 
@@ -118,55 +138,40 @@ struct Square {
     high: [f32; 2],
 }
 
-/// What a splat covers: a square about its direction, and where that crosses an edge or a corner of the cube what
-/// lies beyond on the faces there.
-struct Squares {
-    all: [Square; 3],
-    count: usize,
-}
-
-impl Squares {
-    /// `factor` times as wide as the square of the splat's solid angle.
+impl Square {
+    /// Calls `each` with what lies on the faces of a square about a splat's direction, `factor` times as wide as the
+    /// square of its solid angle: on the direction's own, and, where it crosses an edge or a corner of the cube, beyond.
     #[inline]
-    fn of(splat: &Splat, side: usize, factor: f32) -> Self {
+    fn each_of(splat: &Splat, side: usize, factor: f32, mut each: impl FnMut(&Self)) {
         let n = side as f32;
-        let root = 0.25 * n * factor * splat.solid_angle.sqrt();
+        let size = splat.solid_angle * (0.25 * n * factor).powi(2);
         let d = splat.direction;
         let (face, u, v) = face_of(d);
-        let (first, over) = Square::at(face, [u, v], root, n);
-        let mut squares = Self { all: [first; 3], count: 1 };
+        let (first, over) = Self::at(face, [u, v], size, n);
+        each(&first);
         for (i, over) in over.into_iter().enumerate() {
             let axis = (face / 2 + 1 + i) % 3;
             if over && d[axis] != 0.0 {
-                squares.add_beyond(d, axis, root, n);
+                Self::beyond(d, axis, size, n).iter().for_each(&mut each);
             }
         }
-        squares
     }
 
-    /// Adds what lies on the face of an axis that is not the direction's own.
-    fn add_beyond(&mut self, d: Vec3, axis: usize, root: f32, n: f32) {
+    /// What lies on the face of an axis that is not the direction's own.
+    fn beyond(d: Vec3, axis: usize, size: f32, n: f32) -> Option<Self> {
         let place = [1, 2].map(|i| d[(axis + i) % 3] / d[axis].abs());
-        let (square, _) = Square::at(2 * axis + usize::from(d[axis] < 0.0), place, root, n);
-        if square.low[0] < square.high[0] && square.low[1] < square.high[1] {
-            self.all[self.count] = square;
-            self.count += 1;
-        }
+        let (square, _) = Self::at(2 * axis + usize::from(d[axis] < 0.0), place, size, n);
+        let any = square.low[0] < square.high[0] && square.low[1] < square.high[1];
+        any.then_some(square)
     }
 
-    fn iter(&self) -> impl Iterator<Item = &Square> {
-        self.all[..self.count].iter()
-    }
-}
-
-impl Square {
-    /// The square about a place on a face's plane, of a solid angle of which `root` is a quarter of the root times
+    /// The square about a place on a face's plane, of a solid angle of which `size` is a sixteenth times the square of
     /// the `n` texels along a side; and which of its coordinates go over an edge.
     #[inline]
-    fn at(face: usize, [u, v]: [f32; 2], root: f32, n: f32) -> (Self, [bool; 2]) {
+    fn at(face: usize, [u, v]: [f32; 2], size: f32, n: f32) -> (Self, [bool; 2]) {
         // A face's area element is (1 + u^2 + v^2)^(3/2) solid angles.
         let square = 1.0 + u.abs().min(1.0).powi(2) + v.abs().min(1.0).powi(2);
-        let half = (root * (square * square.sqrt()).sqrt()).min(0.5 * n);
+        let half = (size * square * square.sqrt()).sqrt().min(0.5 * n);
         let centre = [u, v].map(|t| (0.5 * t + 0.5) * n);
         let over = centre.map(|c| c < half || c > n - half);
         let [low, high] = [-half, half].map(|h| centre.map(|c| (c + h).clamp(0.0, n)));
@@ -177,25 +182,40 @@ impl Square {
     /// texel's middle.
     #[inline]
     fn each(&self, side: usize, mut each: impl FnMut(usize, f32, [f32; 2])) {
-        let last = |end: f32| {
-            // Rounded up; `ceil` is a call on processors without an instruction for it.
-            let whole = end as usize;
-            (whole + usize::from(end > whole as f32)).min(side)
-        };
-        let ([x0, y0], [x1, y1]) = (self.low, self.high);
-        // The length of a span within a cell, and its middle from the cell's.
-        let within = |low: f32, high: f32, cell: usize| {
-            let (low, high) = (low - cell as f32, high - cell as f32);
-            let (low, high) = (low.max(0.0), high.min(1.0));
-            ((high - low).max(0.0), 0.5 * (low + high) - 0.5)
-        };
-        for row in y0 as usize..last(y1) {
-            let (height, v) = within(y0, y1, row);
-            for column in x0 as usize..last(x1) {
-                let (width, u) = within(x0, x1, column);
+        let [columns, rows] = [0, 1].map(|i| Span { low: self.low[i], high: self.high[i] });
+        let (x, y) = (columns.low as usize, rows.low as usize);
+        for row in y..rows.end(side) {
+            let (height, v) = rows.within(row);
+            for column in x..columns.end(side) {
+                let (width, u) = columns.within(column);
                 each(row * side + column, width * height, [u, v]);
             }
         }
+    }
+}
+
+/// From one coordinate to another, in texels.
+#[derive(Clone, Copy)]
+struct Span {
+    low: f32,
+    high: f32,
+}
+
+impl Span {
+    /// The length within a cell, and its middle from the cell's.
+    #[inline]
+    fn within(self, cell: usize) -> (f32, f32) {
+        let (low, high) = (self.low - cell as f32, self.high - cell as f32);
+        let (low, high) = (low.max(0.0), high.min(1.0));
+        ((high - low).max(0.0), 0.5 * (low + high) - 0.5)
+    }
+
+    /// The cell after the last.
+    #[inline]
+    fn end(self, side: usize) -> usize {
+        // Rounded up; `ceil` is a call on processors without an instruction for it.
+        let whole = self.high as usize;
+        (whole + usize::from(self.high > whole as f32)).min(side)
     }
 }
 
@@ -203,7 +223,7 @@ impl CubeBuffer {
     /// An empty buffer.
     pub fn new(shape: CubeShape) -> Self {
         let texels = vec![Texel::default(); shape.directions.len()];
-        Self { shape, texels, order: Vec::new() }
+        Self { shape, texels, order: Vec::new(), covered: Vec::new() }
     }
 
     /// Empties it.
@@ -236,20 +256,16 @@ impl CubeBuffer {
     /// Adds one splat behind all that are there. What it covers in all, before anything hides it, is
     /// its solid angle.
     pub fn add(&mut self, splat: &Splat) {
-        let side = self.shape.side;
-        let mut squares = Squares::of(splat, side, 1.0);
-        let mut solid_angle = self.shape.under(&squares);
-        if solid_angle < splat.solid_angle {
-            squares = Squares::of(splat, side, (splat.solid_angle / solid_angle).sqrt());
-            solid_angle = self.shape.under(&squares);
+        let Self { shape, covered, .. } = self;
+        let mut solid_angle = shape.under(splat, 1.0, covered);
+        if solid_angle < CLEARLY_LESS * splat.solid_angle {
+            let factor = (splat.solid_angle / solid_angle).sqrt();
+            solid_angle = shape.under(splat, factor, covered);
         }
         // The area element varies over a square; what is too much or too little is spread over it.
         let scale = if solid_angle > 0.0 { splat.solid_angle / solid_angle } else { 0.0 };
-        for square in squares.iter() {
-            let base = square.face * side * side;
-            square.each(side, |texel, share, place| {
-                self.texels[base + texel].cover(splat, (share * scale).min(1.0), place);
-            });
+        for part in &*covered {
+            self.texels[part.texel].cover(splat, (part.share * scale).min(1.0), part.place);
         }
     }
 
@@ -296,10 +312,10 @@ impl CubeBuffer {
                 texels.fill(true);
                 return;
             }
-            for square in Squares::of(&Splat { solid_angle, ..*disc }, side, 1.0).iter() {
+            Square::each_of(&Splat { solid_angle, ..*disc }, side, 1.0, |square| {
                 let base = square.face * side * side;
                 square.each(side, |texel, _, _| texels[base + texel] = true);
-            }
+            });
         }
     }
 

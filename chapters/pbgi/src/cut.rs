@@ -15,6 +15,7 @@ use crate::surfel::Surfel;
 use crate::tree::{Node, Tree};
 use crate::wide::{LANES, NONE};
 use chiaro_basis::math::Vec3;
+use chiaro_basis::prefetch;
 use std::f32::consts::FRAC_1_PI;
 
 /// What a receiver sees of a node or a surfel.
@@ -62,6 +63,18 @@ pub(crate) enum Verdict {
     Open,
 }
 
+/// What of a cut is looked at when its memory has come.
+#[derive(Clone, Copy, Debug)]
+enum Chosen {
+    /// A node that is splatted.
+    Node(u32),
+    /// A leaf whose surfels are.
+    Surfels(u32),
+}
+
+/// So many at once.
+const CHOSEN: usize = 64;
+
 /// What a flat node sends to the side of its axis and to the other.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Faces {
@@ -100,6 +113,7 @@ impl Chooser {
     /// The splats of the cut; the number of nodes visited.
     pub fn cut<P: Payload>(&self, tree: &Tree<P>, splats: &mut Vec<Splat>) -> u64 {
         let mut visited = 0;
+        let mut chosen = Vec::with_capacity(CHOSEN + LANES);
         let mut groups: Vec<u32> = Vec::with_capacity(64);
         groups.extend((!tree.wide.is_empty()).then_some(0));
         while let Some(group) = groups.pop() {
@@ -108,29 +122,75 @@ impl Chooser {
             let mut lane = 0;
             while lane < LANES && wide.node[lane] != NONE {
                 visited += 1;
-                let (index, verdict) = (wide.node[lane] as usize, verdicts[lane]);
-                if verdict == Verdict::Splat {
-                    let sent = |d: Vec3| tree.payload[index].sent(&tree.book, &basis(d));
-                    let (node, faces) = (&tree.nodes[index], &tree.faces[index]);
-                    let sight = self.sight(node);
-                    splats.extend(sight.and_then(|s| s.of_faces(node.area, sent, faces)));
+                let (index, within) = (wide.node[lane], wide.within[lane]);
+                match verdicts[lane] {
+                    Verdict::Leave => {}
+                    Verdict::Splat => {
+                        prefetch(&tree.nodes, index as usize);
+                        prefetch(&tree.faces, index as usize);
+                        chosen.push(Chosen::Node(index));
+                    }
+                    Verdict::Open if wide.below[lane] != NONE => {
+                        prefetch(&tree.wide, wide.below[lane] as usize);
+                        groups.push(wide.below[lane]);
+                    }
+                    Verdict::Open if within == 0 => {
+                        prefetch(&tree.nodes, index as usize);
+                        chosen.push(Chosen::Surfels(index));
+                    }
+                    Verdict::Open => {}
                 }
-                if verdict != Verdict::Open {
-                    lane += usize::from(wide.within[lane]) + 1;
-                    continue;
-                }
-                let node = &tree.nodes[index];
-                if wide.below[lane] != NONE {
-                    groups.push(wide.below[lane]);
-                } else if node.count > 0 {
-                    let (first, count) = (node.first as usize, node.count as usize);
-                    let surfels = &tree.surfels[first..first + count];
-                    splats.extend(surfels.iter().flat_map(|s| self.surfel(s)).flatten());
-                }
-                lane += 1;
+                let skipped = if verdicts[lane] == Verdict::Open { 0 } else { within };
+                lane += usize::from(skipped) + 1;
+            }
+            if chosen.len() >= CHOSEN {
+                self.splat(tree, &mut chosen, splats);
             }
         }
+        self.splat(tree, &mut chosen, splats);
         visited
+    }
+
+    /// Adds the splats of what was chosen, and forgets it.
+    fn splat<P: Payload>(&self, tree: &Tree<P>, chosen: &mut Vec<Chosen>, splats: &mut Vec<Splat>) {
+        let surfels = |index: u32| {
+            let node = &tree.nodes[index as usize];
+            node.first as usize..(node.first + node.count) as usize
+        };
+        for one in chosen.iter() {
+            match *one {
+                Chosen::Surfels(index) => {
+                    surfels(index).for_each(|i| prefetch(&tree.surfels, i));
+                }
+                Chosen::Node(index) => {
+                    let flat =
+                        tree.nodes[index as usize].axis.length_squared() >= FLAT[1] * FLAT[1];
+                    if !(flat && self.flat) {
+                        prefetch(&tree.payload, index as usize);
+                    }
+                }
+            }
+        }
+        for one in chosen.drain(..) {
+            match one {
+                Chosen::Node(index) => {
+                    let index = index as usize;
+                    let node = &tree.nodes[index];
+                    let sent = |d: Vec3| tree.payload[index].sent(&tree.book, &basis(d));
+                    if let Some(sight) = self.sight(node)
+                        && let Some(splat) = sight.of_faces(node.area, sent, &tree.faces[index])
+                    {
+                        splats.push(splat);
+                    }
+                }
+                Chosen::Surfels(index) => {
+                    let all = &tree.surfels[surfels(index)];
+                    for part in all.iter().flat_map(|s| self.surfel(s)).flatten() {
+                        splats.push(part);
+                    }
+                }
+            }
+        }
     }
 
     /// What to do with each node of a group: the same as [`verdict`](Self::verdict), all at once.

@@ -3,6 +3,7 @@
 use crate::bounce::bounce;
 use crate::cover;
 use crate::cube::CubeShape;
+use crate::estimate;
 use crate::glossy;
 use crate::grid::SurfelGrid;
 use crate::hierarchy::Hierarchy;
@@ -12,7 +13,6 @@ use crate::opening::{Dome, Opening, Openings};
 use crate::pixel::{self, Gathered, Workspace};
 use crate::records;
 use crate::site::Site;
-use crate::skylight;
 use crate::surfel::{Lit, Surfels};
 use crate::tile;
 use crate::tree::Tree;
@@ -144,7 +144,7 @@ pub fn prepare<'a>(
     let (mut surfels, sky) = Surfels::light_apart(&lit, sites, &tested, run)?;
     let count = surfels.all.len() as u64;
     let grid = SurfelGrid::new(&surfels);
-    let sky = run.stage("direct", 0, || skylight::settled(&surfels, &grid, &sky));
+    let sky = run.stage("direct", 0, || estimate::settled(&surfels, &grid, &sky));
     surfels.all.par_iter_mut().zip(&sky).for_each(|(s, e)| s.add(e));
     let times = knobs.bounces.saturating_sub(1);
     let irradiance = run.stage("direct", count, || {

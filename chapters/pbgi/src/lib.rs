@@ -10,7 +10,7 @@
 //!
 //! 1. [`sites`] spreads surfels evenly over all triangles ([`site`]), or [`poisson_sites`] at a least distance.
 //! 2. [`Surfels::light`] lights both sides of each and finds the dead ones: backs of walls, insides
-//!    of closed bodies ([`surfel`], [`side`]). What the sky gives is smoothed ([`skylight`]); sides in
+//!    of closed bodies ([`surfel`], [`side`]). What the sky gives is smoothed ([`estimate`]); sides in
 //!    narrow gaps show what covers them (`cover`).
 //! 3. [`bounce`](bounce::bounce) lets surfels light each other, any number of times.
 //! 4. [`Tree::build`] sums area and radiance lobes bottom-up as spherical harmonics ([`harmonic`],
@@ -49,6 +49,7 @@ pub mod curve;
 pub mod cut;
 mod decode;
 mod dimmed;
+pub mod estimate;
 mod facing;
 mod field;
 pub mod file;
@@ -61,6 +62,7 @@ pub mod hierarchy;
 mod indirect;
 mod knob;
 mod leaf;
+mod links;
 pub mod near;
 mod opening;
 pub mod packed;
@@ -76,7 +78,6 @@ mod rival;
 pub mod side;
 mod sight;
 pub mod site;
-pub mod skylight;
 pub mod spread;
 pub mod stream;
 pub mod surfel;

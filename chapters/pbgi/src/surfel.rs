@@ -4,10 +4,10 @@
 //! sends the same radiance everywhere: albedo / pi times its irradiance. What a surface emits is
 //! not among it: light from what shines is direct light.
 
+use crate::estimate::Estimate;
 use crate::knob::LightKnobs;
 use crate::side;
 use crate::site::Site;
-use crate::skylight::Skylight;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_trace::{Hit, LightNumbers, Lights, Sequence, Surfaces, Tracer, Vertex};
@@ -91,7 +91,7 @@ impl Surfels {
         sites: &[Site],
         knobs: &LightKnobs,
         run: &Run,
-    ) -> Result<(Self, Vec<Skylight>)> {
+    ) -> Result<(Self, Vec<Estimate>)> {
         let mut all: Vec<Surfel> = run.stage("surfels", sites.len() as u64, || {
             sites.par_iter().map(|s| place(lit.tracer, s)).collect()
         });
@@ -143,14 +143,14 @@ pub(crate) fn place(tracer: &Tracer, site: &Site) -> Surfel {
 }
 
 /// Light by what is in the scene; and by the sky.
-fn light(lit: &Lit, site: &Site, surfel: &mut Surfel, (index, of_sky): (u64, u32)) -> Skylight {
+fn light(lit: &Lit, site: &Site, surfel: &mut Surfel, (index, of_sky): (u64, u32)) -> Estimate {
     let hit = Hit { t: 0.0, object: site.object, face: site.face, b: site.b };
     let footprint = surfel.area.sqrt();
     let sequence = Sequence::new(index);
     let Lit { tracer, surfaces, lights } = *lit;
     let of_glow = if lights.glow.is_empty() { 0 } else { GLOW_SAMPLES };
     let of_sky = if lights.sky.is_some() { of_sky } else { 0 };
-    let mut sky = Skylight::default();
+    let mut sky = Estimate::default();
     for side in 0..2 {
         let inward = if side == 0 { -surfel.normal } else { surfel.normal };
         let at = Vertex::of(tracer, surfaces, &hit, inward, footprint);

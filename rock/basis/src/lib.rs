@@ -3,6 +3,7 @@
 //! - [`Run`]: seed, cancellation and progress, handed down to everything that takes time.
 //! - [`random`]: randomness that depends on a seed and an index, never on an order.
 //! - [`reduce`]: parallel sums of fixed shape, the same bits for any number of threads.
+//! - [`prefetch`]: asks for memory that will be needed soon.
 //! - [`Sets`]: numbers that belong together.
 //! - [`isotonic`]: the nearest values that never fall.
 //! - [`typed_id!`]: indices that cannot be mixed up.
@@ -14,6 +15,7 @@ mod error;
 mod id;
 mod isotonic;
 mod knob;
+mod prefetch;
 pub mod random;
 pub mod reduce;
 mod run;
@@ -22,6 +24,7 @@ mod sets;
 pub use error::{Error, Result};
 pub use isotonic::isotonic;
 pub use knob::{Knob, KnobKind, KnobValue, Knobs, Value, nearest};
+pub use prefetch::prefetch;
 pub use run::{Cancel, Observer, Run};
 pub use sets::Sets;
 

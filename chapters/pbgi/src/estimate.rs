@@ -1,6 +1,6 @@
-//! [`Skylight`]: what a surfel's sides receive from the sky, and how it is smoothed.
+//! [`Estimate`]: what a surfel's sides receive by a few rays, and how it is smoothed.
 //!
-//! A few rays tell little of a sky of which little is seen: under arcades one in thirty is free, and single
+//! A few rays tell little of light of which little is seen: under arcades one in thirty finds the sky, and single
 //! surfels would be thirty times too bright. So each side takes the mean of those around that face the same way, as
 //! far as their samples may come from the same light: a floor on both sides of a wall is not smoothed across.
 
@@ -14,15 +14,15 @@ const SMOOTHINGS: u32 = 2;
 /// Sides differ when their irradiances do by more than so many standard deviations of the difference.
 const DIFFERENT: f32 = 2.0;
 
-/// Irradiance of both sides of a surfel by the sky, by a few rays each.
+/// Irradiance of both sides of a surfel, by a few rays each.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Skylight {
+pub struct Estimate {
     irradiance: [[f32; 3]; 2],
     /// Standard deviations of its luminance.
     deviation: [f32; 2],
 }
 
-impl Skylight {
+impl Estimate {
     /// Takes the samples of a side: what arrives, and what would if nothing hid it.
     pub(crate) fn set(
         &mut self,
@@ -54,6 +54,11 @@ impl Skylight {
         self.irradiance.map(|e| e != [0.0; 3])
     }
 
+    /// The luminance of a side's irradiance and its standard deviation.
+    pub(crate) fn luminance(&self, side: usize) -> [f32; 2] {
+        [luminance(self.irradiance[side]), self.deviation[side]]
+    }
+
     fn may_equal(&self, side: usize, other: &Self, its: usize) -> bool {
         let difference = luminance(self.irradiance[side]) - luminance(other.irradiance[its]);
         let variance = self.deviation[side].powi(2) + other.deviation[its].powi(2);
@@ -61,13 +66,13 @@ impl Skylight {
     }
 }
 
-/// The light of the sky at the sides of surfels without its noise; none without a sky.
-pub fn settled(surfels: &Surfels, grid: &SurfelGrid, sky: &[Skylight]) -> Indirect {
-    if sky.is_empty() {
+/// What the sides of surfels receive without its noise; nothing of no estimates.
+pub fn settled(surfels: &Surfels, grid: &SurfelGrid, all: &[Estimate]) -> Indirect {
+    if all.is_empty() {
         return Vec::new();
     }
-    let own: Indirect = sky.iter().map(Skylight::irradiance).collect();
-    let alike = |a: (usize, usize), b: (usize, usize)| sky[a.0].may_equal(a.1, &sky[b.0], b.1);
+    let own: Indirect = all.iter().map(Estimate::irradiance).collect();
+    let alike = |a: (usize, usize), b: (usize, usize)| all[a.0].may_equal(a.1, &all[b.0], b.1);
     (0..SMOOTHINGS).fold(own, |e, _| smoothed(surfels, grid, &e, alike))
 }
 
@@ -80,9 +85,9 @@ mod tests {
 
     const SAMPLES: u64 = 16;
 
-    /// Skylight of which so much arrives, by rays that are each free or not.
-    fn seen(share: f32, number: u64) -> Skylight {
-        let mut sky = Skylight::default();
+    /// Estimate of which so much arrives, by rays that are each free or not.
+    fn seen(share: f32, number: u64) -> Estimate {
+        let mut sky = Estimate::default();
         let sample = |k| if unit(k, number) < share { [1.0; 3] } else { [0.0; 3] };
         let samples: Vec<_> = (0..SAMPLES).map(|k| (sample(k), [1.0; 3])).collect();
         (0..2).for_each(|side| sky.set(side, samples.iter().copied()));
@@ -101,7 +106,7 @@ mod tests {
         let all: Vec<Surfel> = (0..4000).map(surfel).collect();
         let surfels =
             Surfels { all, spacing: (1.0f32 / 4000.0).sqrt(), uneven: false, covered: Vec::new() };
-        let sky: Vec<Skylight> = (0..4000).map(|i| seen(share(position(i).x), i)).collect();
+        let sky: Vec<Estimate> = (0..4000).map(|i| seen(share(position(i).x), i)).collect();
         let after = settled(&surfels, &SurfelGrid::new(&surfels), &sky);
         let told = |i: usize| (position(i as u64).x, sky[i].irradiance[0][0], after[i][0][0]);
         (0..4000).map(told).collect()
