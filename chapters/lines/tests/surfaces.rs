@@ -2,6 +2,7 @@
 
 mod meshes;
 
+use chiaro_basis::math::{Vec3, vec3};
 use chiaro_lines::surface::{NONE, Ring, next};
 use chiaro_lines::{Slice, Surface};
 use meshes::*;
@@ -89,6 +90,24 @@ fn seams_of_a_smooth_mesh_are_no_facets() {
     let (positions, triangles) = cube();
     let cube = faceted(&soup(&positions, &triangles, true), 0);
     assert_eq!(cube.creases.len(), 12, "the halves of a square are one facet");
+}
+
+#[test]
+fn what_a_pose_alone_folds_is_no_crease() {
+    let positions = (0..9).map(|i| vec3(i as f32 % 3.0 - 1.0, 0.0, (i / 3) as f32 - 1.0));
+    let positions: Vec<Vec3> = positions.collect();
+    let square = |i: u32| [[i, i + 3, i + 4], [i, i + 4, i + 1]];
+    let triangles: Vec<[u32; 3]> = [0, 1, 3, 4].into_iter().flat_map(square).collect();
+    let fold = |p: Vec3| if p.x > 0.0 { vec3(-0.2 * p.x, p.x, p.z) } else { p };
+    let sharp = |rest: Vec<Vec3>| {
+        let scene = scene(rest, triangles.clone(), false);
+        let mut folded = frame(&scene);
+        folded.shapes[0].positions = positions.iter().map(|p| fold(*p)).collect();
+        let s = Surface::of(&scene, &folded, &SHARP);
+        s.creases.iter().filter(|c| c.sharp).count()
+    };
+    assert_eq!(sharp(positions.clone()), 0);
+    assert_eq!(sharp(positions.iter().map(|p| fold(*p)).collect()), 2);
 }
 
 #[test]

@@ -38,7 +38,13 @@ pub(super) fn folds(
     facets: bool,
 ) -> Vec<Fold> {
     let told = !matches!(&mesh.normals, NormalSource::Given(normals) if normals.is_empty());
-    let sharp = crease::by_angle(topology, positions, rule.smooth_angle);
+    // What a skin folds alone, as an armpit, is shaded smooth and is no edge of what it is of.
+    let at_rest = crease::by_angle(topology, &mesh.positions, rule.smooth_angle);
+    let sharp: Vec<bool> = crease::by_angle(topology, positions, rule.smooth_angle)
+        .into_iter()
+        .zip(at_rest)
+        .map(|(here, rest)| here && rest)
+        .collect();
     let bent = crease::by_angle(topology, positions, rule.angle);
     let hard = match told {
         true => crease::by_normals(topology, mesh, HARD_NORMALS),
