@@ -21,6 +21,19 @@ pub struct Gap {
     pub on_chain: [f64; 2],
     /// Its picture length, pixels.
     pub length: f64,
+    /// Whether gaps lie between all strokes of this line, which closes: one of them is its seam.
+    pub round: bool,
+}
+
+/// A gap and the strokes of its frame that it lies between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Between {
+    /// What ends and what starts, by index.
+    pub(crate) strokes: [usize; 2],
+    /// The gap's length, pixels.
+    pub(crate) length: f64,
+    /// The line that gaps go round, if they do ([`Gap::round`]).
+    pub(crate) round: Option<(Kind, u32)>,
 }
 
 /// A run of a path that is a stroke, or a part of one.
@@ -33,8 +46,8 @@ pub(crate) struct Shown {
 }
 
 /// The gaps between what is `shown` of some paths. What leaves the picture on its way is none, nor is what
-/// nobody would take for one line: outlines that turn back behind what they are of. The longest gap of a line
-/// that closes is its seam.
+/// nobody would take for one line: outlines that turn back behind what they are of. Where gaps go round a line that
+/// closes one of them is its seam: which, is told by u over the film, not by how long they are in one frame.
 pub(crate) fn gaps(paths: &[Path], mut shown: Vec<Shown>) -> Vec<Gap> {
     shown.sort_by(|a, b| a.path.cmp(&b.path).then(a.run.start.total_cmp(&b.run.start)));
     let mut gaps = Vec::new();
@@ -42,25 +55,19 @@ pub(crate) fn gaps(paths: &[Path], mut shown: Vec<Shown>) -> Vec<Gap> {
         let path = &paths[own[0].path];
         let around = path.closed.then_some((own[own.len() - 1], own[0], true));
         let pairs = own.windows(2).map(|p| (p[0], p[1], false)).chain(around);
-        let ends = pairs.filter(|(a, b, _)| a.is_end[1] && b.is_end[0]);
-        let mut all: Vec<Option<Gap>> =
-            ends.map(|(a, b, around)| gap(path, [a.run.end, b.run.start], around)).collect();
-        if path.closed && all.iter().all(Option::is_some) {
-            let length = |k: &usize| all[*k].map_or(0.0, |gap| gap.length);
-            if let Some(seam) = (0..all.len()).max_by(|a, b| length(a).total_cmp(&length(b))) {
-                all[seam] = None;
-            }
-        }
-        gaps.extend(all.into_iter().flatten());
+        let between = |(a, b, around): (Shown, Shown, bool)| {
+            let ends = a.is_end[1] && b.is_end[0];
+            ends.then(|| gap(path, [a.run.end, b.run.start], around)).flatten()
+        };
+        let all: Vec<Option<Gap>> = pairs.map(between).collect();
+        let round = path.closed && all.iter().all(Option::is_some);
+        gaps.extend(all.into_iter().flatten().map(|gap| Gap { round, ..gap }));
     }
     gaps
 }
 
-/// The strokes of a frame between which gaps lie, by index: what ends, what starts, and how long the gap is.
-pub(crate) fn between<'a>(
-    strokes: impl Iterator<Item = &'a Stroke>,
-    gaps: &[Gap],
-) -> Vec<([usize; 2], f64)> {
+/// The strokes of a frame between which gaps lie.
+pub(crate) fn between<'a>(strokes: impl Iterator<Item = &'a Stroke>, gaps: &[Gap]) -> Vec<Between> {
     let mut ends: BTreeMap<(Kind, u32, bool), Vec<(f64, usize)>> = BTreeMap::new();
     for (i, stroke) in strokes.enumerate().filter(|(_, s)| !s.closed) {
         for sample in [(stroke.samples.first(), true), (stroke.samples.last(), false)] {
@@ -75,7 +82,12 @@ pub(crate) fn between<'a>(
         let of_chain = ends.get(&(gap.kind, gap.chain, starts))?;
         of_chain.iter().find(|end| (end.0 - place).abs() <= SAME).map(|end| end.1)
     };
-    gaps.iter().filter_map(|gap| Some(([at(gap, false)?, at(gap, true)?], gap.length))).collect()
+    let between = |gap: &Gap| {
+        let strokes = [at(gap, false)?, at(gap, true)?];
+        let round = gap.round.then_some((gap.kind, gap.chain));
+        Some(Between { strokes, length: gap.length, round })
+    };
+    gaps.iter().filter_map(between).collect()
 }
 
 /// The gap between two places of a path, or past its last point where it is closed.
@@ -93,7 +105,7 @@ fn gap(path: &Path, [from, to]: [Place; 2], around: bool) -> Option<Gap> {
     });
     let length = path.length_around(to) + turn - path.length_around(from);
     let on_chain = [from, to].map(|place| path.point(once(place)).on_chain);
-    let whole = Gap { kind: path.kind, chain: path.chain, on_chain, length };
+    let whole = Gap { kind: path.kind, chain: path.chain, on_chain, length, round: false };
     let ends = path.seen_at(from).zip(path.seen_at(to));
     let (times, more) = DETOUR;
     let goes_on = ends.is_some_and(|(a, b)| length <= times * a.at.distance(b.at) + more);
@@ -130,15 +142,20 @@ mod tests {
             gaps.iter().map(|g| (g.on_chain.map(rounded), rounded(g.length))).collect()
         };
         let side = 40.0;
-        // The longest is the seam.
-        assert_eq!(of(&[shown(2.2, 2.9), shown(0.5, 1.0)]), [([1.0, 2.2], 1.2 * side)]);
-        assert_eq!(of(&[shown(1.2, 3.0), shown(3.5, 4.5)]), [([3.0, 3.5], 0.5 * side)]);
-        // Past the first point, and where a run is past it.
+        // Past the first point.
         assert_eq!(of(&[shown(3.5, 3.8), shown(0.1, 1.0)]), [([3.8, 0.1], 0.3 * side)]);
-        assert_eq!(of(&[shown(1.5, 3.0), shown(3.9, 5.1)]), [([1.1, 1.5], 0.4 * side)]);
+        // All round, and where a run is past it.
+        let round = [([3.0, 3.5], 0.5 * side), ([0.5, 1.2], 0.7 * side)];
+        assert_eq!(of(&[shown(1.2, 3.0), shown(3.5, 4.5)]), round);
+        let round = [([3.0, 3.9], 0.9 * side), ([1.1, 1.5], 0.4 * side)];
+        assert_eq!(of(&[shown(1.5, 3.0), shown(3.9, 5.1)]), round);
+        let is_round = |shown: &[Shown]| gaps(&paths, shown.to_vec()).iter().all(|g| g.round);
+        assert!(is_round(&[shown(1.2, 3.0), shown(3.5, 4.5)]));
+        assert!(!is_round(&[shown(3.5, 3.8), shown(0.1, 1.0)]));
         // Nobody takes what comes back after three sides for the same line.
         assert_eq!(of(&[shown(0.2, 0.4), shown(0.5, 0.6)]), [([0.4, 0.5], 0.1 * side)]);
         let joined = Shown { is_end: [true, false], ..shown(0.5, 1.0) };
-        assert_eq!(of(&[joined, shown(1.5, 3.0)]), []);
+        assert_eq!(of(&[joined, shown(1.5, 3.0)]), [([3.0, 0.5], 1.5 * side)]);
+        assert!(!is_round(&[joined, shown(1.5, 3.0)]));
     }
 }

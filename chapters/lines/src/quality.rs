@@ -4,7 +4,7 @@
 //! that every method is judged alike. Sliding and stretch belong together: one is had for the other.
 
 use crate::film::{Film, FilmFrame};
-use crate::gap::between;
+use crate::gap::{Between, between};
 use crate::parameter::near::Near;
 use crate::parameter::net::{AGREES, DEPTH, REACH, direction, goes_on, is_mere_end, material};
 use crate::stroke::Stroke;
@@ -121,14 +121,16 @@ impl Flow {
     }
 
     /// Whether it joins a line that goes on under its own id, or comes off one, on the surface and not by what
-    /// passes before it: an end, or a beginning, that is an event.
+    /// passes before it: an end, or a beginning, that is an event. What is seen of the line that they share may be
+    /// several strokes.
     fn is_event(&self, flows: &BTreeMap<Self, f64>, beginning: bool) -> bool {
         let [stroke, line] = if beginning { [0, 1] } else { [1, 0] };
         let other = self.ids[1 - line];
         !self.is_edge
             && flows.keys().any(|f| {
                 f.ids == [other; 2]
-                    && f.strokes[stroke] == self.strokes[stroke]
+                    && (f.strokes[stroke] == self.strokes[stroke]
+                        || f.lines[stroke] == self.lines[stroke])
                     && f.lines[line] != self.lines[line]
             })
     }
@@ -268,15 +270,27 @@ fn own_slides(film: &Film, f: usize) -> Vec<(f64, bool)> {
     slides.iter().map(|(weight, jumps, flow)| (*weight, *jumps || renamed(flow))).collect()
 }
 
-/// What u misses at each gap of a frame, pixels.
+/// What u misses at each gap of a frame, pixels; where gaps go round a line, not at that which misses most: its seam.
 fn gaps(frame: &FilmFrame) -> Vec<f64> {
-    let off = |([a, b], length): ([usize; 2], f64)| {
-        let [a, b] = [a, b].map(|s| &frame.strokes[s]);
+    let off = |Between { strokes, length, .. }: &Between| {
+        let [a, b] = strokes.map(|s| &frame.strokes[s]);
         let off = b.u[0] - a.u[a.u.len() - 1] - length / b.pixels_per_u;
         let period = a.begins_anew().or(b.begins_anew()).filter(|p| *p > LEAST_PERIOD);
         b.pixels_per_u * (off - period.map_or(0.0, |p| (off / p).round() * p)).abs()
     };
-    between(frame.strokes.iter(), &frame.gaps).into_iter().map(off).collect()
+    let (mut all, mut rounds) = (Vec::new(), BTreeMap::new());
+    for gap in between(frame.strokes.iter(), &frame.gaps) {
+        match gap.round {
+            Some(line) => rounds.entry(line).or_insert_with(Vec::new).push(off(&gap)),
+            None => all.push(off(&gap)),
+        }
+    }
+    for mut round in rounds.into_values() {
+        round.sort_unstable_by(f64::total_cmp);
+        round.pop();
+        all.extend(round);
+    }
+    all
 }
 
 /// A number for a stroke of a frame that the parts of one line share.
@@ -355,6 +369,12 @@ mod tests {
         // Two lines of the surface become one: one of two ids must end.
         let merge = [flow([1, 1], [0, 0], [5, 5]), flow([2, 1], [2, 0], [6, 5])];
         assert_eq!(untrue_changes(&[pair(&[1, 2], &[1], &merge)]), 0);
+        // What is seen of that one are two strokes.
+        let hidden = [merge[0], Flow { strokes: [2, 1], ..merge[1] }];
+        let joined = hidden.map(|f| Flow { lines: [f.lines[0], 5], ..f });
+        assert_eq!(untrue_changes(&[pair(&[1, 2], &[1], &joined)]), 0);
+        let apart = hidden.map(|f| Flow { lines: [f.lines[0]; 2], ..f });
+        assert_eq!(untrue_changes(&[pair(&[1, 2], &[1], &apart)]), 1);
         // One becomes two.
         let split = [flow([1, 1], [0, 0], [5, 5]), flow([1, 2], [0, 2], [5, 6])];
         assert_eq!(untrue_changes(&[pair(&[1], &[1, 2], &split)]), 0);

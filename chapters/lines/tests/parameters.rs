@@ -5,7 +5,9 @@ mod meshes;
 use chiaro_basis::Run;
 use chiaro_basis::math::{Vec3, vec3};
 use chiaro_lines::parameter::{Diffuser, Parameters, Solved, Weights, drawn, parameterize, whole};
-use chiaro_lines::{Cuts, Film, LinesKnobs, Links, Method, Quality, Reel, Texture, View, quality};
+use chiaro_lines::{
+    Cuts, Film, Kind, LinesKnobs, Links, Method, Quality, Reel, Texture, View, quality,
+};
 use chiaro_scene::{Frame, Scene};
 use meshes::*;
 
@@ -104,6 +106,36 @@ fn lines_go_on_behind_what_hides_them() {
     let knobs = LinesKnobs { method: Method::Arclength, ..plain() };
     let (_, alone) = solve(&mut fence_film(12, &knobs), &knobs);
     assert!(alone.gap_p95 > 20.0, "{alone:?}");
+}
+
+/// A ball with a plate before either side, one of which hides ever more of its outline and the other ever less.
+fn plates_film(frames: usize) -> Film {
+    let (mut positions, mut triangles) = ball(48, 24);
+    for x in [-1.12, 1.04] {
+        let first = positions.len() as u32;
+        let corners = [[-0.3, -1.2], [0.3, -1.2], [0.3, 1.2], [-0.3, 1.2]];
+        positions.extend(corners.map(|p| vec3(x + p[0], p[1], 1.5)));
+        triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| first + v)));
+    }
+    let scene = scene(positions, triangles, false);
+    let still = frame(&scene);
+    let view = flat_view(vec3(0.0, 0.0, 7.0));
+    let at = |i: usize| {
+        let along = |p: Vec3| if p.z > 1.2 { p + 0.02 * i as f32 * Vec3::X } else { p };
+        (moved(&still, along), view)
+    };
+    film(&scene, frames, &at)
+}
+
+#[test]
+fn what_hides_a_ring_in_two_places_moves_no_seam() {
+    let mut film = plates_film(12);
+    let (_, q) = solve(&mut film, &plain());
+    for frame in &film.frames {
+        let outline = frame.gaps.iter().filter(|g| g.kind == Kind::Silhouette);
+        assert_eq!(outline.map(|g| g.round).collect::<Vec<_>>(), [true; 2]);
+    }
+    assert!(q.gap_p95 < 1.0 && q.slide_p95 < 0.1, "{q:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::chart::components;
 use super::cut::{Kept, medians};
 use super::net::{Net, strokes};
 use crate::film::Film;
-use crate::gap::between;
+use crate::gap::{Between, between};
 use std::collections::BTreeMap;
 
 /// Shorter gaps are none, pixels: weights are the reciprocal of their length.
@@ -38,8 +38,8 @@ fn found(film: &Film, net: &Net) -> Vec<Across> {
     for (f, frame) in film.frames.iter().enumerate() {
         let first = net.of_frame(f).start;
         // Where what is hidden is drawn too it touches what is seen, and links tie the two.
-        let gaps = between(strokes(frame), &frame.gaps).into_iter().filter(|g| g.1 >= LEAST);
-        for (strokes, length) in gaps {
+        let gaps = between(strokes(frame), &frame.gaps).into_iter().filter(|g| g.length >= LEAST);
+        for Between { strokes, length, .. } in gaps {
             let lines = strokes.map(|s| (first + s) as u32);
             let [a, b] = lines.map(|l| &net.lines[l as usize]);
             let unknowns = [a.first + a.count - 1, b.first];
