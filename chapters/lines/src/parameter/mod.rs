@@ -165,8 +165,9 @@ impl Parameters {
             made.carry_on(film, spacing, sigma);
         }
         let swept = knobs.links == Links::Swept;
-        made.parts = Parts::of(film, &made.whole(), to_charts.then_some(sigma), (swept, found));
         let carried = texture::carried(&made.net, &made.kept.trust, &made.period);
+        let whole = made.whole(&carried);
+        made.parts = Parts::of(film, &whole, to_charts.then_some(sigma), (swept, found));
         let period: Vec<Option<f64>> =
             made.parts.origins.iter().map(|o| carried[o.line as usize]).collect();
         made.textures = texture::shown(&made.parts.components, &period);
@@ -184,10 +185,10 @@ impl Parameters {
         }
     }
 
-    /// The lines as they were solved.
-    fn whole(&self) -> Whole<'_> {
+    /// The lines as they were solved; `carried`: the period of each one's texture.
+    fn whole<'a>(&'a self, carried: &'a [Option<f64>]) -> Whole<'a> {
         let Self { net, kept, scale, period, .. } = self;
-        Whole { net, kept, scale, period }
+        Whole { net, kept, scale, period, carried }
     }
 
     /// Finds links and judges them, anew where strokes changed since they were `found` and factored.

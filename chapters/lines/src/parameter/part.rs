@@ -31,6 +31,8 @@ pub(crate) struct Whole<'a> {
     /// Pixels a unit of u.
     pub(crate) scale: &'a [f64],
     pub(crate) period: &'a [Option<f64>],
+    /// The period of the texture that each shows, where links carried one to it.
+    pub(crate) carried: &'a [Option<f64>],
 }
 
 /// The strokes of a film, as they stand in it, after its lines were parted.
@@ -104,7 +106,8 @@ impl Whole<'_> {
         let Net { lines, links, .. } = &mut net;
         links.retain(|l| !crosses_seam(lines, l, &period));
         let mut u = self.values(&net, origins);
-        turn(&net, &once, &mut u, origins);
+        let carried: Vec<Option<f64>> = origins.iter().map(|o| self.carried[of(o)]).collect();
+        turn(&net, &carried, &mut u, origins);
         let residual: Vec<f64> = (net.links.iter())
             .map(|link| {
                 let [from, to] = link.lines.map(|l| once[l as usize]);
@@ -139,14 +142,18 @@ fn off(link: &Link, u: &[f64], period: Option<f64>) -> f64 {
     u[link.from as usize] - place[0] - (place[1] + turn - place[0]) * link.share
 }
 
-/// Adds whole turns to u of open lines, `once` round the loops of which they are parts, so that u goes
-/// on from frame to frame: heavier bundles of links first.
-fn turn(net: &Net, once: &[Option<f64>], u: &mut [f64], origins: &mut [Origin]) {
+/// Adds whole turns of their textures to u of open lines, so that u goes on from frame to frame: heavier bundles of
+/// links first. Lines whose textures differ in their period are not turned to each other: a turn of one would be
+/// a slide along the other.
+fn turn(net: &Net, period: &[Option<f64>], u: &mut [f64], origins: &mut [Origin]) {
     let mut bundles: BTreeMap<[u32; 2], (f64, Vec<f64>)> = BTreeMap::new();
-    for link in net.links.iter().filter(|l| l.lines.iter().all(|l| !net.lines[*l as usize].closed))
-    {
-        let [from, to] = link.lines.map(|l| once[l as usize]);
-        let turns = to.or(from).map_or(0.0, |p| (off(link, u, None) / p).round() * p);
+    let is_turned = |link: &&Link| {
+        let [a, b] = link.lines.map(|l| l as usize);
+        !net.lines[a].closed && !net.lines[b].closed && period[a] == period[b]
+    };
+    for link in net.links.iter().filter(is_turned) {
+        let period = period[link.lines[0] as usize];
+        let turns = period.map_or(0.0, |p| (off(link, u, None) / p).round() * p);
         let bundle = bundles.entry(link.lines).or_default();
         bundle.0 += link.weight;
         bundle.1.push(turns);
@@ -298,6 +305,40 @@ fn joined(parts: &[Stroke]) -> Stroke {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_are_turned_by_whole_turns_of_their_own_textures() {
+        let line = |frame, first| Line {
+            frame,
+            first,
+            count: 10,
+            closed: false,
+            length: (0..10).map(|k| 3.0 * f64::from(k)).collect(),
+        };
+        let link = |from: u32| Link {
+            from,
+            to: [10 + from, 11 + from],
+            share: 0.0,
+            around: false,
+            lines: [0, 1],
+            weight: 3.0,
+        };
+        let links = (0..9).map(link).collect();
+        let lines = vec![line(0, 0), line(1, 10)];
+        let net = Net { lines, frames: vec![0, 1, 2], links, unknowns: 20 };
+        let gained = |periods: [f64; 2]| {
+            // One goes on from the other, but for 19 units.
+            let mut u: Vec<f64> = (0..20)
+                .map(|k| 0.1 * f64::from(k % 10) + if k < 10 { 19.0 } else { 0.0 })
+                .collect();
+            let mut origins = [0, 1].map(|line| Origin { line, from: 0.0, turns: 0.0 });
+            turn(&net, &periods.map(Some), &mut u, &mut origins);
+            origins[1].turns - origins[0].turns
+        };
+        assert_eq!(gained([19.0, 19.0]), 19.0);
+        // A turn of one would be a slide along the other, of which the texture begins anew after 21.
+        assert_eq!(gained([19.0, 21.0]), 0.0);
+    }
 
     #[test]
     fn parts_of_a_loop_go_on_past_its_seam() {
