@@ -246,6 +246,30 @@ fn a_halo_interrupts_what_is_behind_and_nothing_else() {
 }
 
 #[test]
+fn a_halo_along_a_line_cuts_it_evenly() {
+    // Two lines side by side, the lower one farther away, and half in the upper one's halo.
+    let near = spine(&[[5.0, 20.0], [60.0, 28.25], [115.0, 36.5]], 0.0);
+    let mut far = spine(&[[5.0, 26.0], [60.0, 34.25], [115.0, 42.5]], 0.0);
+    far.knots.iter_mut().for_each(|k| k.depth = 100.0);
+    let brush = brush(&[("width", "4"), ("halo", "4")]);
+    let stroke = |spine, colour| Stroke {
+        spine,
+        brush: &brush,
+        texture: None,
+        colour,
+        hides: true,
+        right: false,
+    };
+    let white = Plane::filled(120, 60, WHITE);
+    let picture = paint(&[stroke(&far, BLACK), stroke(&near, WHITE)], &white, WHITE);
+    let column = |x: usize| (0..60).map(|y| 1.0 - picture[(x, y)][0]).sum::<f32>();
+    let columns: Vec<f32> = (20..100).map(column).collect();
+    let [least, most] = [f32::min, f32::max].map(|f| columns.iter().copied().reduce(f));
+    let [least, most] = [least.unwrap_or_default(), most.unwrap_or_default()];
+    assert!(least > 1.5 && most < 3.0 && most - least < 0.2, "{least} to {most}");
+}
+
+#[test]
 fn the_picture_does_not_depend_on_threads() {
     let brushes = [
         brush(&[("mark", "fur")]),

@@ -2,7 +2,7 @@
 //!
 //! 1. Every stroke becomes ribbons, every ribbon mitred pieces; pieces are sorted into tiles.
 //! 2. In a tile the bands of lines that hide others are laid down: rims of paper, and haloes as the
-//!    depth of the nearest band.
+//!    depths of the nearest bands.
 //! 3. Stroke after stroke, the piece of a ribbon inside whose border a pixel lies deepest has it, so that no
 //!    joint, bend or crossing of a stroke with itself is darker. Ribbons of one stroke (hairs, passes) are apart:
 //!    two that share a pixel cover what either leaves free. What lies behind a halo is left out.
@@ -134,6 +134,45 @@ fn sorted(ready: &[Ready<'_>], (w, h): (usize, usize)) -> Vec<Found> {
     tiles
 }
 
+/// Depth and coverage of the nearest bands over a pixel. The band of a line itself is one of them, and at the edge of
+/// a nearer one's halo must not take its place: the edge would be a staircase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Fronts([[f32; 2]; 3]);
+
+impl Default for Fronts {
+    fn default() -> Self {
+        Self([[f32::INFINITY, 0.0]; 3])
+    }
+}
+
+impl Fronts {
+    /// Adds a band; those at one depth are one, and the farthest gives way.
+    fn lay(&mut self, depth: f32, cover: f32) {
+        if cover <= 0.0 {
+            return;
+        }
+        let Self(fronts) = self;
+        if let Some(same) = fronts.iter_mut().find(|f| (f[0] - depth).abs() <= BEHIND) {
+            if cover > same[1] || (cover == same[1] && depth < same[0]) {
+                *same = [depth, cover];
+            }
+        } else if let Some(last) = fronts.iter_mut().max_by(|a, b| a[0].total_cmp(&b[0]))
+            && depth < last[0]
+        {
+            *last = [depth, cover];
+        }
+    }
+
+    /// The share that is hidden of what is at a depth.
+    fn hidden(&self, depth: f32) -> f32 {
+        let by = |[front, cover]: &[f32; 2]| {
+            let t = ((depth - front) / BEHIND - 1.0).clamp(0.0, 1.0);
+            cover * t * t * (3.0 - 2.0 * t)
+        };
+        self.0.iter().map(by).fold(0.0, f32::max)
+    }
+}
+
 /// A square of the picture under work.
 struct Tile {
     corner: (usize, usize),
@@ -143,8 +182,8 @@ struct Tile {
     /// Coverage and depth by one ribbon and how far inside its border, and where it covers at all.
     own: Vec<[f32; 3]>,
     touched: Vec<usize>,
-    /// Depth and coverage of the nearest band.
-    front: Vec<[f32; 2]>,
+    /// Where bands hide what is behind them.
+    front: Vec<Fronts>,
 }
 
 impl Tile {
@@ -200,7 +239,7 @@ impl Tile {
         if bands.is_empty() {
             return;
         }
-        self.front = vec![[f32::INFINITY, 0.0]; TILE * TILE];
+        self.front = vec![Fronts::default(); TILE * TILE];
         for &[s, p] in bands {
             let stroke = &ready[s as usize];
             let Some((pieces, [halo, rim])) = &stroke.band else { continue };
@@ -211,11 +250,7 @@ impl Tile {
                 let Stroke { brush, right, .. } = stroke.stroke;
                 let side = hides(&hit, *right, brush.mark == Mark::Double);
                 let covers = |more: f32| if more > 0.0 { side * hit.cover(more) } else { 0.0 };
-                let gap = covers(*halo);
-                let [depth, cover] = &mut self.front[i];
-                if gap > *cover || (gap > 0.0 && gap == *cover && hit.depth < *depth) {
-                    (*depth, *cover) = (hit.depth, gap);
-                }
+                self.front[i].lay(hit.depth, covers(*halo));
                 self.cover[i] = self.cover[i].max(covers(*rim));
             }
         }
@@ -270,10 +305,7 @@ impl Tile {
             if cover <= 0.0 {
                 continue;
             }
-            if let Some(&[front, gap]) = self.front.get(i) {
-                let t = ((self.depth[i] - front) / BEHIND - 1.0).clamp(0.0, 1.0);
-                cover *= 1.0 - gap * t * t * (3.0 - 2.0 * t);
-            }
+            cover *= 1.0 - self.front.get(i).map_or(0.0, |f| f.hidden(self.depth[i]));
             over(&mut self.pixels[i], stroke.colour, cover * stroke.brush.opacity);
         }
     }
