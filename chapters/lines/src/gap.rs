@@ -21,8 +21,8 @@ pub struct Gap {
     pub on_chain: [f64; 2],
     /// Its picture length, pixels.
     pub length: f64,
-    /// Whether gaps lie between all strokes of this line, which closes: one of them is its seam.
-    pub round: bool,
+    /// Picture length of the whole line, hidden parts too, pixels, where it closes: somewhere it has a seam.
+    pub around: Option<f64>,
 }
 
 /// A gap and the strokes of its frame that it lies between.
@@ -32,8 +32,8 @@ pub(crate) struct Between {
     pub(crate) strokes: [usize; 2],
     /// The gap's length, pixels.
     pub(crate) length: f64,
-    /// The line that gaps go round, if they do ([`Gap::round`]).
-    pub(crate) round: Option<(Kind, u32)>,
+    /// As [`Gap::around`] has it.
+    pub(crate) around: Option<f64>,
 }
 
 /// A run of a path that is a stroke, or a part of one.
@@ -46,8 +46,8 @@ pub(crate) struct Shown {
 }
 
 /// The gaps between what is `shown` of some paths. What leaves the picture on its way is none, nor is what
-/// nobody would take for one line: outlines that turn back behind what they are of. Where gaps go round a line that
-/// closes one of them is its seam: which, is told by u over the film, not by how long they are in one frame.
+/// nobody would take for one line: outlines that turn back behind what they are of. Where a line closes one of its gaps
+/// may be its seam: which, is told by u over the film, not by how long they are in one frame.
 pub(crate) fn gaps(paths: &[Path], mut shown: Vec<Shown>) -> Vec<Gap> {
     shown.sort_by(|a, b| a.path.cmp(&b.path).then(a.run.start.total_cmp(&b.run.start)));
     let mut gaps = Vec::new();
@@ -55,13 +55,8 @@ pub(crate) fn gaps(paths: &[Path], mut shown: Vec<Shown>) -> Vec<Gap> {
         let path = &paths[own[0].path];
         let around = path.closed.then_some((own[own.len() - 1], own[0], true));
         let pairs = own.windows(2).map(|p| (p[0], p[1], false)).chain(around);
-        let between = |(a, b, around): (Shown, Shown, bool)| {
-            let ends = a.is_end[1] && b.is_end[0];
-            ends.then(|| gap(path, [a.run.end, b.run.start], around)).flatten()
-        };
-        let all: Vec<Option<Gap>> = pairs.map(between).collect();
-        let round = path.closed && all.iter().all(Option::is_some);
-        gaps.extend(all.into_iter().flatten().map(|gap| Gap { round, ..gap }));
+        let ends = pairs.filter(|(a, b, _)| a.is_end[1] && b.is_end[0]);
+        gaps.extend(ends.filter_map(|(a, b, around)| gap(path, [a.run.end, b.run.start], around)));
     }
     gaps
 }
@@ -84,8 +79,7 @@ pub(crate) fn between<'a>(strokes: impl Iterator<Item = &'a Stroke>, gaps: &[Gap
     };
     let between = |gap: &Gap| {
         let strokes = [at(gap, false)?, at(gap, true)?];
-        let round = gap.round.then_some((gap.kind, gap.chain));
-        Some(Between { strokes, length: gap.length, round })
+        Some(Between { strokes, length: gap.length, around: gap.around })
     };
     gaps.iter().filter_map(between).collect()
 }
@@ -105,7 +99,8 @@ fn gap(path: &Path, [from, to]: [Place; 2], around: bool) -> Option<Gap> {
     });
     let length = path.length_around(to) + turn - path.length_around(from);
     let on_chain = [from, to].map(|place| path.point(once(place)).on_chain);
-    let whole = Gap { kind: path.kind, chain: path.chain, on_chain, length, round: false };
+    let around = path.closed.then(|| path.total());
+    let whole = Gap { kind: path.kind, chain: path.chain, on_chain, length, around };
     let ends = path.seen_at(from).zip(path.seen_at(to));
     let (times, more) = DETOUR;
     let goes_on = ends.is_some_and(|(a, b)| length <= times * a.at.distance(b.at) + more);
@@ -149,13 +144,11 @@ mod tests {
         assert_eq!(of(&[shown(1.2, 3.0), shown(3.5, 4.5)]), round);
         let round = [([3.0, 3.9], 0.9 * side), ([1.1, 1.5], 0.4 * side)];
         assert_eq!(of(&[shown(1.5, 3.0), shown(3.9, 5.1)]), round);
-        let is_round = |shown: &[Shown]| gaps(&paths, shown.to_vec()).iter().all(|g| g.round);
-        assert!(is_round(&[shown(1.2, 3.0), shown(3.5, 4.5)]));
-        assert!(!is_round(&[shown(3.5, 3.8), shown(0.1, 1.0)]));
+        let whole = gaps(&paths, vec![shown(1.2, 3.0), shown(3.5, 4.5)]);
+        assert!(whole.iter().all(|g| g.around.is_some_and(|a| (a - 4.0 * side).abs() < 1e-6)));
         // Nobody takes what comes back after three sides for the same line.
         assert_eq!(of(&[shown(0.2, 0.4), shown(0.5, 0.6)]), [([0.4, 0.5], 0.1 * side)]);
         let joined = Shown { is_end: [true, false], ..shown(0.5, 1.0) };
         assert_eq!(of(&[joined, shown(1.5, 3.0)]), [([3.0, 0.5], 1.5 * side)]);
-        assert!(!is_round(&[joined, shown(1.5, 3.0)]));
     }
 }

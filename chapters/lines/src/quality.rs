@@ -270,27 +270,16 @@ fn own_slides(film: &Film, f: usize) -> Vec<(f64, bool)> {
     slides.iter().map(|(weight, jumps, flow)| (*weight, *jumps || renamed(flow))).collect()
 }
 
-/// What u misses at each gap of a frame, pixels; where gaps go round a line, not at that which misses most: its seam.
+/// What u misses at each gap of a frame, pixels; where a line closes once round it is no miss, but its seam.
 fn gaps(frame: &FilmFrame) -> Vec<f64> {
-    let off = |Between { strokes, length, .. }: &Between| {
+    let off = |Between { strokes, length, around }: Between| {
         let [a, b] = strokes.map(|s| &frame.strokes[s]);
         let off = b.u[0] - a.u[a.u.len() - 1] - length / b.pixels_per_u;
         let period = a.begins_anew().or(b.begins_anew()).filter(|p| *p > LEAST_PERIOD);
-        b.pixels_per_u * (off - period.map_or(0.0, |p| (off / p).round() * p)).abs()
+        let miss = b.pixels_per_u * (off - period.map_or(0.0, |p| (off / p).round() * p)).abs();
+        around.map_or(miss, |around| miss.min((miss - around).abs()))
     };
-    let (mut all, mut rounds) = (Vec::new(), BTreeMap::new());
-    for gap in between(frame.strokes.iter(), &frame.gaps) {
-        match gap.round {
-            Some(line) => rounds.entry(line).or_insert_with(Vec::new).push(off(&gap)),
-            None => all.push(off(&gap)),
-        }
-    }
-    for mut round in rounds.into_values() {
-        round.sort_unstable_by(f64::total_cmp);
-        round.pop();
-        all.extend(round);
-    }
-    all
+    between(frame.strokes.iter(), &frame.gaps).into_iter().map(off).collect()
 }
 
 /// A number for a stroke of a frame that the parts of one line share.

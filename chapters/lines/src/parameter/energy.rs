@@ -13,7 +13,7 @@
 //! Periodic textures leave one constant a component free; a weak anchor on every line holds it.
 
 use super::net::{Line, Link, Net};
-use super::onward::{Across, UNSEEN};
+use super::onward::Across;
 use chiaro_solve::{Normal, Rows, Singular};
 
 /// Weight of the anchor, next to the others of order one.
@@ -115,7 +115,7 @@ impl Energy {
             let (scale, dt) = (setting.scale[l], setting.dt[net.lines[l].frame as usize]);
             rows.push(&[(b, scale), (a, -scale)]);
             let (ds, target) = (gap.length, gap.length + scale * gap.turns);
-            stretches.push(Stretch { unknowns: [a, b], ds, weight: UNSEEN * dt / ds, target });
+            stretches.push(Stretch { unknowns: [a, b], ds, weight: gap.weight * dt / ds, target });
         }
         let mut links = Vec::with_capacity(net.links.len());
         for link in &net.links {

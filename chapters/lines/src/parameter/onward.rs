@@ -10,14 +10,17 @@ use super::cut::{Kept, medians};
 use super::net::{Net, strokes};
 use crate::film::Film;
 use crate::gap::{Between, between};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Shorter gaps are none, pixels: weights are the reciprocal of their length.
 const LEAST: f64 = 3.0;
 /// Gaps between two lines are left out where half of them miss more than this share of the sliding limit.
 const AGREED: f64 = 0.5;
 /// What is hidden may stretch more readily than what is seen: the weight of its row beside those of segments.
-pub(crate) const UNSEEN: f64 = 0.25;
+const UNSEEN: f64 = 0.25;
+/// The weight where that share is missed by lines that nothing else ties: they hardly stretch for it, but without it u
+/// of one might be anything beside the other's.
+const LOOSE: f64 = 1e-3;
 
 /// What is hidden between the end of one line and the start of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +33,8 @@ pub(crate) struct Across {
     pub(crate) length: f64,
     /// What u of the second has more than that for whole turns of the texture.
     pub(crate) turns: f64,
+    /// Of its row, beside those of segments.
+    pub(crate) weight: f64,
 }
 
 /// The gaps of a film.
@@ -43,7 +48,7 @@ fn found(film: &Film, net: &Net) -> Vec<Across> {
             let lines = strokes.map(|s| (first + s) as u32);
             let [a, b] = lines.map(|l| &net.lines[l as usize]);
             let unknowns = [a.first + a.count - 1, b.first];
-            all.push(Across { lines, unknowns, length, turns: 0.0 });
+            all.push(Across { lines, unknowns, length, turns: 0.0, weight: UNSEEN });
         }
     }
     all
@@ -74,7 +79,7 @@ pub(crate) fn agreeing(
         (off - turns, turns)
     };
     let says = says(&all, &group, |gap| off(&kept.u, gap).0);
-    let moved = moves(says, net.lines.len());
+    let (moved, tied) = moves(says, net.lines.len());
     for (line, group) in net.lines.iter().zip(&group) {
         let samples = line.first as usize..(line.first + line.count) as usize;
         kept.u[samples].iter_mut().for_each(|u| *u += moved[*group as usize]);
@@ -89,8 +94,14 @@ pub(crate) fn agreeing(
     let ids: Vec<u32> = film.frames.iter().flat_map(strokes).map(|s| s.id).collect();
     let of = |gap: &Across| gap.lines.map(|l| ids[l as usize]);
     let median = medians(all.iter().map(of).zip(misses.iter().copied()));
-    let agrees = |(gap, miss): &(Across, f64)| *miss <= sigma && median[&of(gap)] <= AGREED * sigma;
-    all.into_iter().zip(misses).filter(agrees).map(|(gap, _)| gap).collect()
+    let weighed = |(gap, miss): (Across, f64)| {
+        let pair = gap.lines.map(|l| group[l as usize]);
+        let agrees = median[&of(&gap)] <= AGREED * sigma;
+        let alone = || tied.contains(&[pair[0].min(pair[1]), pair[0].max(pair[1])]);
+        let weight = if agrees { UNSEEN } else { LOOSE };
+        (miss <= sigma && (agrees || alone())).then_some(Across { weight, ..gap })
+    };
+    all.into_iter().zip(misses).filter_map(weighed).collect()
 }
 
 /// By how much the second of two groups is to be moved back beside the first, heaviest first.
@@ -124,18 +135,20 @@ fn says(all: &[Across], group: &[u32], off: impl Fn(&Across) -> f64) -> Vec<([u3
     says.into_iter().map(|(key, off, _)| (key, off)).collect()
 }
 
-/// What u of each group gains.
-fn moves(says: Vec<([u32; 2], f64)>, count: usize) -> Vec<f64> {
+/// What u of each group gains, and the groups of which each is moved beside the other, the lesser first.
+fn moves(says: Vec<([u32; 2], f64)>, count: usize) -> (Vec<f64>, BTreeSet<[u32; 2]>) {
     let mut trees: Vec<(u32, f64)> = (0..count as u32).map(|g| (g, 0.0)).collect();
-    for ([a, b], off) in says {
-        let [(a, at_a), (b, at_b)] = [a, b].map(|g| super::part::root(&mut trees, g));
+    let mut tied = BTreeSet::new();
+    for (pair, off) in says {
+        let [(a, at_a), (b, at_b)] = pair.map(|g| super::part::root(&mut trees, g));
         let (low, high, more) = match a < b {
             true => (a, b, at_a - off - at_b),
             false => (b, a, at_b + off - at_a),
         };
         if low != high {
             trees[high as usize] = (low, more);
+            tied.insert(pair);
         }
     }
-    (0..count as u32).map(|g| super::part::root(&mut trees, g).1).collect()
+    ((0..count as u32).map(|g| super::part::root(&mut trees, g).1).collect(), tied)
 }
