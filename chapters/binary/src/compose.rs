@@ -2,7 +2,7 @@
 
 use crate::knob::{BinaryKnobs, scaled};
 use crate::line::Lines;
-use chiaro_image::Plane;
+use chiaro_image::{Plane, filter};
 use chiaro_ink::{draw, smooth_coverage};
 
 /// A picture in two shares a pixel: how white it is where there is something, and how much of the
@@ -16,22 +16,46 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// Draws a map of lines on top, in ink on white and in paper's colour on black, smoothed by
-    /// `sigma` pixels. Says of each pixel what its line is: 0 none, 1 ink, 2 paper.
-    pub fn draw_map(&mut self, lines: &Plane<bool>, sigma: f32) -> Plane<u8> {
-        let is_white = |white: &f32, opacity: &f32| white * opacity + 1.0 - opacity >= 0.5;
-        let colour = self.white.zip(&self.opacity, |w, o| 1 + u8::from(!is_white(w, o)));
-        let colour = colour.expect("both have the picture's size");
-        let everywhere = lines.map(|_| true);
-        let drawn = chiaro_ink::smooth_coverage(lines, &everywhere, sigma);
+    /// Draws the lines of a map on top, smoothed by `sigma` pixels. Of `map` each pixel is 0, or 1 for
+    /// ink and 2 for paper (see [`map_colours`]). Gives the share of each pixel that ink and paper cover.
+    pub fn draw_map(&mut self, map: &Plane<u8>, sigma: f32) -> [Plane<f32>; 2] {
+        let everywhere = map.map(|_| true);
+        let cover = |colour: u8| smooth_coverage(&map.map(|m| *m == colour), &everywhere, sigma);
+        let (ink, paper) = rayon::join(|| cover(1), || cover(2));
         let pixels = self.white.pixels_mut().iter_mut().zip(self.opacity.pixels_mut());
-        for ((white, opacity), line) in pixels.zip(drawn.pixels()) {
-            let other = if is_white(white, opacity) { 0.0 } else { 1.0 };
-            *white += line * (other - *white);
-            *opacity = opacity.max(*line);
+        for ((white, opacity), (i, p)) in pixels.zip(ink.pixels().iter().zip(paper.pixels())) {
+            *white = (*white * (1.0 - i)).max(*p);
+            *opacity = opacity.max(*i).max(*p);
         }
-        lines.zip(&colour, |l, c| if *l { *c } else { 0 }).expect("a map has the picture's size")
+        [ink, paper]
     }
+}
+
+/// The colours of a map's lines over regions that are `light` or not: 0 none, 1 ink, 2 paper. Lines
+/// are paper inside black; along its border, within their own width, they are ink, or that border
+/// would be drawn twice.
+pub fn map_colours(lines: &Plane<bool>, light: &Plane<bool>) -> Plane<u8> {
+    let depth = filter::distance_to(light);
+    let width = mean_width(lines);
+    Plane::from_fn(lines.width(), lines.height(), |x, y| match lines[(x, y)] {
+        true if depth[(x, y)] > width + 0.5 => 2,
+        drawn => u8::from(drawn),
+    })
+}
+
+/// The mean width of lines in pixels: twice their area over their border.
+fn mean_width(lines: &Plane<bool>) -> f32 {
+    let (w, h) = lines.size();
+    let (mut area, mut border) = (0usize, 0usize);
+    for y in 0..h {
+        for x in 0..w {
+            let here = lines[(x, y)];
+            area += usize::from(here);
+            border += usize::from(x + 1 < w && lines[(x + 1, y)] != here);
+            border += usize::from(y + 1 < h && lines[(x, y + 1)] != here);
+        }
+    }
+    2.0 * area as f32 / border.max(1) as f32
 }
 
 /// Draws lines over regions, of which `region` says how white each pixel is.
@@ -85,6 +109,17 @@ pub fn one_bit(marks: &Marks, lines: &Lines, paper_is_white: bool) -> Plane<bool
 mod tests {
     use super::*;
     use chiaro_ink::Polyline;
+
+    #[test]
+    fn lines_of_a_map_are_paper_inside_black_and_ink_along_it() {
+        let light = Plane::from_fn(40, 30, |x, _| x < 20);
+        let down = |left: usize| Plane::from_fn(40, 30, move |x, _| (left..left + 3).contains(&x));
+        let colours = |left: usize| map_colours(&down(left), &light).row(15).to_vec();
+        for (left, colour) in [(5, 1), (18, 1), (19, 1), (20, 1), (30, 2)] {
+            let expected = (0..40).map(|x| if (left..left + 3).contains(&x) { colour } else { 0 });
+            assert_eq!(colours(left), expected.collect::<Vec<u8>>(), "{left}");
+        }
+    }
 
     #[test]
     fn lines_in_one_bit_are_as_wide_as_they_say() {

@@ -41,7 +41,7 @@ mod window;
 pub use appearance::{Channel, Channels, Lit};
 pub use baseline::{Method, image_bonds};
 pub use cel::{Cel, Layer};
-pub use compose::{Marks, compose, one_bit};
+pub use compose::{Marks, compose, map_colours, one_bit};
 pub use cut::{Border, FeaturePairs, Graph, Labels};
 pub use exposure::{Exposure, LEAST_REACH, MOST_STEPS, Sample, local_contrast, mixed_tone};
 pub use film::{BLOCK, Done, Film, Plan};

@@ -12,7 +12,7 @@ use crate::geometry::{angle, depth_step};
 use crate::halo::behind;
 use crate::knob::{BinaryKnobs, DepthForm, scaled};
 use chiaro_basis::math::Vec3;
-use chiaro_image::Plane;
+use chiaro_image::{Plane, filter};
 use chiaro_ink::{Cracks, Polyline};
 use chiaro_trace::GBuffer;
 use rayon::prelude::*;
@@ -22,6 +22,8 @@ use std::f32::consts::PI;
 /// 480.
 const WIDEST_GAP: f32 = 10.0;
 const LEAST_DASH: f32 = 3.0;
+/// Features this near to a map's lines are those that it draws; pixels at 480.
+const MAP_REACH: f32 = 2.0;
 /// How far from the middle of a line a region must reach on either side, in widths of the line.
 const ROOM: f32 = 1.25;
 
@@ -154,6 +156,18 @@ impl Features {
         });
         let halo = behind(buffer, &finder, knobs);
         Self { marks: Plane::from_pixels(w, h, marks), halo }
+    }
+
+    /// The features that a map, drawn on top, does not draw itself: those beside its lines are out.
+    pub fn beside(mut self, map: &Plane<bool>) -> Self {
+        let reach = scaled(MAP_REACH, map.height()).max(1.5);
+        let away = filter::distance_to(map);
+        for (mark, distance) in self.marks.pixels_mut().iter_mut().zip(away.pixels()) {
+            if *distance <= reach {
+                *mark = 0;
+            }
+        }
+        self
     }
 
     /// Labels with the gaps white.

@@ -4,17 +4,18 @@ use super::counts;
 use crate::colours::Colours;
 use chiaro_basis::{Result, Run};
 use chiaro_binary::{
-    BinaryKnobs, Coloured, Exposure, Features, Graph, Labels, Lines, Marks, Paint, Palette, Steps,
-    Tariff, View, colour_regions, compose, is_light, outline, prepare, scaled, tint,
+    BinaryKnobs, Coloured, Exposure, Features, Graph, Labels, Lines, Marks, Paint, Palette,
+    Prepared, Steps, Tariff, View, colour_regions, compose, is_light, map_colours, outline,
+    prepare, scaled, tint,
 };
 use chiaro_image::Plane;
 use chiaro_image::colour::to_byte;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 
-/// Draws one view: weights, cut, lines, colours.
+/// Draws one view: weights, cut, lines, colours; a map of lines on top, if there is one.
 pub(crate) fn draw(
-    view: View,
+    (view, map): (View, Option<&Plane<bool>>),
     exposure: &Exposure,
     knobs: &BinaryKnobs,
     (colours, paint): (&Colours, Option<&Paint>),
@@ -22,7 +23,13 @@ pub(crate) fn draw(
 ) -> Result<Picture> {
     let paper = colours.paper_is_white();
     let palette = Palette::parse(&knobs.palette, colours.ink, colours.paper)?;
-    let prepared = |view| prepare(view, exposure, knobs, paint, run);
+    let prepared = |view| -> Result<Prepared> {
+        let mut prepared = prepare(view, exposure, knobs, paint, run)?;
+        if let Some(map) = map {
+            prepared.features = prepared.features.beside(map);
+        }
+        Ok(prepared)
+    };
     let (mut labels, mut tariff) = (None, None);
     let (steps, tint) = match &palette {
         Palette::Two => (prepared(Cow::Owned(view))?.cut(paint, paper, knobs, run)?, None),
@@ -48,7 +55,7 @@ pub(crate) fn draw(
     });
     let counts = counts::stepped(&steps);
     let Steps { white, shown, lines, graph, labels: cut, .. } = steps;
-    Ok(Picture {
+    let mut picture = Picture {
         covered: graph.mask.clone(),
         labels: labels.unwrap_or_else(|| shown.map(|w| u8::from(*w))),
         palette: palette.colours().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
@@ -61,7 +68,11 @@ pub(crate) fn draw(
         graph,
         cut,
         counts,
-    })
+    };
+    if let Some(map) = map {
+        picture.draw_map(map, colours, knobs);
+    }
+    Ok(picture)
 }
 
 /// What a labelled picture in its palette's colours is drawn with.
@@ -134,9 +145,20 @@ pub struct Picture {
 
 impl Picture {
     /// Draws the lines of a map over all.
-    pub(crate) fn draw_map(&mut self, lines: &Plane<bool>, knobs: &BinaryKnobs) {
+    pub(crate) fn draw_map(&mut self, lines: &Plane<bool>, colours: &Colours, knobs: &BinaryKnobs) {
         let sigma = 0.5 * scaled(knobs.smooth, lines.height());
-        self.map = Some((self.marks.draw_map(lines, sigma), sigma));
+        let paper = colours.paper_is_white();
+        let light = self.white.zip(&self.covered, |white, c| if *c { *white } else { paper });
+        let map = map_colours(lines, &light.expect("one picture, one size"));
+        let shares = self.marks.draw_map(&map, sigma);
+        if let Some(tint) = &mut self.tint {
+            for (share, colour) in shares.iter().zip([&colours.ink, &colours.paper]) {
+                for (pixel, share) in tint.pixels_mut().iter_mut().zip(share.pixels()) {
+                    *pixel = std::array::from_fn(|i| pixel[i] + share * (colour[i] - pixel[i]));
+                }
+            }
+        }
+        self.map = Some((map, sigma));
     }
 
     /// What a screen shows, transparency left out.

@@ -93,7 +93,13 @@ impl Setting<'_> {
         }
         let Weights { graph, pairs, .. } = weights;
         let pixels = graph.mask.len() as u64;
-        let features = run.stage("lines", pixels, || Features::find(&view.buffer, knobs));
+        let features = run.stage("lines", pixels, || {
+            let found = Features::find(&view.buffer, knobs);
+            match &map {
+                Some(map) => found.beside(map),
+                None => found,
+            }
+        });
         let how = (*exposure, *knobs);
         let cel = run.stage("cut", pixels, || -> Result<Cel> {
             let layers = film_layers(palette, view, &graph, how, paint.as_ref())?;
@@ -310,7 +316,7 @@ impl Setting<'_> {
             counts,
         };
         if let Some(map) = &take.map {
-            picture.draw_map(map, self.knobs);
+            picture.draw_map(map, self.colours, self.knobs);
         }
         picture
     }

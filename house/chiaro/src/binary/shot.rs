@@ -188,7 +188,7 @@ impl<'a> Shot<'a> {
             view.buffer.forget_light();
         }
         let paint = self.painted(&view, number);
-        draw(view, &self.exposure, &self.knobs, (colours, paint.as_ref()), run)
+        draw((view, None), &self.exposure, &self.knobs, (colours, paint.as_ref()), run)
     }
 
     /// The palette of its pictures.

@@ -17,7 +17,7 @@ pub(super) const FIGURES: [Figure; 1] = [Figure {
     title: "animation",
     message: "Every other frame of a turning head and of a turning torus, each frame on its own and, \
               below, the film cut along the motion. Regions that turn edge-on are the thesis's failure \
-              case.",
+              case: red is what a frame on its own has otherwise than the film.",
     columns: 6,
     draw: animation,
 }];
@@ -27,14 +27,27 @@ const SHOWN: u32 = 6;
 
 fn animation(sheet: &mut Sheet, run: &Run) -> Result<()> {
     for scene in ["demo:head", "demo:bumpy-torus"] {
-        for (how, caption) in [(Labelling::Alone, "alone"), (Labelling::Windows, "film")] {
-            let film = Sequence::turning(scene, 96, 2 * SHOWN).film(how, run)?;
-            for (number, picture) in film.pictures.into_iter().step_by(2) {
-                sheet.add(picture, format!("{scene} {number}, {caption}"));
-            }
+        let turning = Sequence::turning(scene, 96, 2 * SHOWN);
+        let [alone, film] =
+            [Labelling::Alone, Labelling::Windows].map(|how| turning.film(how, run));
+        let (alone, film) = (alone?.pictures, film?.pictures);
+        for ((number, picture), (_, other)) in alone.iter().zip(&film).step_by(2) {
+            let marked = picture.zip(other, |p, q| reddened(*p, *q))?;
+            sheet.add(marked, format!("{} {number}, alone", short(scene)));
+        }
+        for (number, picture) in film.into_iter().step_by(2) {
+            sheet.add(picture, format!("{} {number}, film", short(scene)));
         }
     }
     Ok(())
+}
+
+/// A pixel, red where another picture has it otherwise: dark where it is black, pale where white.
+fn reddened([r, g, b]: [u8; 3], other: [u8; 3]) -> [u8; 3] {
+    if r.abs_diff(other[0]) < 128 {
+        return [r, g, b];
+    }
+    [160 + r / 3, 20 + g / 2, 20 + b / 2]
 }
 
 /// Width and height of the films.

@@ -99,13 +99,13 @@ pub fn figures(names: &[String], scenes: &[String], folder: &Path, run: &Run) ->
         .transpose()?;
     for figure in figures {
         run.check()?;
-        let mut sheet =
-            Sheet::new(figure.columns).title(format!("{} {}", figure.name, figure.title));
+        let title = format!("{}: {}", numbered(figure.name), figure.title);
+        let mut sheet = Sheet::new(figure.columns).title(title.clone());
         (figure.draw)(&mut sheet, run)?;
         let file = format!("figure-{}.png", figure.name);
         record.outputs.push(write_sheet(&folder.join(&file), &sheet, run)?);
         sections.push(Section {
-            title: format!("Figure {}: {}", figure.name, figure.title),
+            title,
             text: figure.message.into(),
             pictures: vec![(file, figure.title.into())],
         });
@@ -152,6 +152,14 @@ fn is_measured(name: &str) -> bool {
     quantized::all().any(|f| f.name == name)
 }
 
+/// What the thesis calls a figure or a table.
+fn numbered(name: &str) -> String {
+    match name.strip_prefix("table-") {
+        Some(number) => format!("Table {number}"),
+        None => format!("Figure {name}"),
+    }
+}
+
 /// A figure that takes scenes, and its measures in the record.
 fn measured_figure(
     figure: &quantized::Measured,
@@ -160,20 +168,13 @@ fn measured_figure(
     record: &mut Record,
     run: &Run,
 ) -> Result<Section> {
-    let name = match figure.name.strip_prefix("table-") {
-        Some(number) => format!("Table {number}"),
-        None => format!("Figure {}", figure.name),
-    };
-    let mut sheet = Sheet::new(figure.columns).title(format!("{name}: {}", figure.title));
+    let title = format!("{}: {}", numbered(figure.name), figure.title);
+    let mut sheet = Sheet::new(figure.columns).title(title.clone());
     let rows = (figure.draw)(&some_or(scenes, figure.scenes), &mut sheet, run)?;
     let file = format!("figure-{}.png", figure.name);
     record.outputs.push(write_sheet(&folder.join(&file), &sheet, run)?);
     record.count(figure.name, rows);
-    Ok(Section {
-        title: format!("{name}: {}", figure.title),
-        text: figure.message.into(),
-        pictures: vec![(file, figure.title.into())],
-    })
+    Ok(Section { title, text: figure.message.into(), pictures: vec![(file, figure.title.into())] })
 }
 
 /// The sheet of all methods, and their measures in the record.

@@ -26,7 +26,7 @@ fn strokes(sheet: &mut Sheet, run: &Run) -> Result<()> {
     let plate = Plate::of("head", 480, &BinaryKnobs::default(), run)?;
     let alone = Strokes::parse("alone.strokes", ALONE)?;
     let mending = Strokes::parse("mending.strokes", MENDING)?;
-    let knobs = BinaryKnobs { lines: false, ..BinaryKnobs::default() };
+    let knobs = BinaryKnobs::default();
     let tone = plate.tone(&knobs, run)?;
     sheet.add(plate.under_strokes(&tone, &alone)?, "strokes on the tone");
     sheet.add(plate.painted(&alone, 1.0, &knobs, run)?, "learned from them alone");

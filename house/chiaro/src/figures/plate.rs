@@ -123,7 +123,7 @@ impl Plate {
     pub(super) fn coloured(&self, knobs: &BinaryKnobs, run: &Run) -> Result<Plane<[u8; 3]>> {
         let colours = Colours::default();
         let exposure = self.exposure(knobs, run)?;
-        let picture = draw(self.view.clone(), &exposure, knobs, (&colours, None), run)?;
+        let picture = draw((self.view.clone(), None), &exposure, knobs, (&colours, None), run)?;
         Ok(picture.displayed(&colours))
     }
 

@@ -194,11 +194,8 @@ fn shaded(layers: &Layers, look: &Look<'_>, run: &Run) -> Result<(Picture, Expos
     let view = run.stage("channels", pixels, || view::view(layers, knobs));
     let paint = look.painting.as_ref().map(|p| p.paint(&view, 1));
     let how = (&look.colours, paint.as_ref());
-    let mut picture = binary::draw(view, &exposure, knobs, how, run)?;
-    if let Some(lines) = &layers.lines {
-        picture.draw_map(lines, knobs);
-    }
-    Ok((picture, exposure))
+    let seen = (view, layers.lines.as_ref());
+    Ok((binary::draw(seen, &exposure, knobs, how, run)?, exposure))
 }
 
 /// Every few pixels, for surveys.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::colours::Colours;
 use crate::project::{Options, Project};
 use crate::style::Style;
 use chiaro_basis::math::Vec3;
@@ -47,6 +48,32 @@ fn a_picture_with_normals_is_shaded() {
     assert!(!covered[(1, 1)] && covered[(48, 48)]);
     // The light comes from the upper left.
     assert!(picture.white[(30, 30)] && !picture.white[(75, 75)]);
+}
+
+#[test]
+fn a_map_draws_each_outline_once() {
+    let (dir, name, normals) = ball();
+    let at = |x: usize| (x as f32 + 0.5) / SIZE as f32 * 2.4 - 1.2;
+    let ring = Plane::from_fn(SIZE, SIZE, |x, y| match at(x).hypot(at(y)) {
+        r if (0.97..1.04).contains(&r) => [0u8, 0, 0, 255],
+        _ => [255; 4],
+    });
+    let map = dir.path().join("map.png");
+    std::fs::write(&map, write_png_rgba(&ring, None).unwrap()).unwrap();
+    let maps = Maps { normals: Some(normals), discontinuity: Some(map.clone()), ..Maps::default() };
+    let given = Given::open(&name, &maps, &Run::default()).unwrap();
+    for palette in ["", "3"] {
+        let mut style = Style::find("ink").unwrap();
+        style.binary.palette = palette.into();
+        let job =
+            Job { given: &given, look: Look::of(&style), target: Target::Single("a.png".into()) };
+        let picture = job.picture(&Run::default()).unwrap().0.displayed(&Colours::default());
+        // From the left into the lit side, and from the right into the shade.
+        let row: Vec<bool> = (0..SIZE).map(|x| picture[(x, SIZE / 2)][0] < 128).collect();
+        let changes = |row: &[bool]| row.windows(2).filter(|p| p[0] != p[1]).count();
+        assert_eq!(changes(&row[..SIZE / 4]), 2, "{palette}: {row:?}");
+        assert_eq!(changes(&row[3 * SIZE / 4..]), 1, "{palette}: {row:?}");
+    }
 }
 
 #[test]
