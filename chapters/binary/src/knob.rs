@@ -124,6 +124,7 @@ knobs! {
         vector_tolerance: f32 = 0.04, Number { min: 0.001, max: 10.0 }, "", "px at 480", "how far curves of an SVG may be from the smoothed borders";
         vector_corner: f32 = 40.0, Number { min: 5.0, max: 180.0 }, "", "degrees", "bends that stay sharp corners in an SVG; 180: none";
         hatch_angle: f32 = 45.0, Number { min: -360.0, max: 360.0 }, "", "degrees", "direction of hatching for a pen, from the right downwards";
+        hatch_turn: f32 = 0.0, Number { min: -360.0, max: 360.0 }, "", "degrees", "by how much the hatching of each lighter colour is turned";
         hatch_spacing: f32 = 1.0, Number { min: 0.2, max: 100.0 }, "", "pens", "from one stroke of hatching to the next, for black";
         hatch_outline: bool = true, Switch, "", "", "whether hatched regions get an outline";
     }

@@ -9,7 +9,7 @@
 //! 3. Lines: joined within 0.1 mm, fitted to 0.05 mm, ordered for little travel, one layer a pen. With a
 //!    pen, those of a map follow their centre lines.
 
-use crate::binary::{Cutting, Look};
+use crate::binary::Look;
 use crate::colours::Colours;
 use chiaro_basis::Result;
 use chiaro_binary::{BinaryKnobs, Lines, scaled};
@@ -127,14 +127,13 @@ pub(crate) fn layers(
 /// [`chiaro_basis::Error::Setting`] when the margins leave nothing of the paper.
 pub fn stencil(
     sheets: &[(Colour, Plane<bool>)],
-    cutting: &Cutting,
     look: &Look<'_>,
     (title, recipe): (&str, &str),
 ) -> Result<String> {
     let size = sheets.first().map_or((1, 1), |(_, sheet)| sheet.size());
     let place = look.print.sheet.place(size)?;
     let layers = sheets.iter().enumerate().map(|(i, (ink, sheet))| {
-        let holes = holes(sheet, cutting, (look, &place));
+        let holes = holes(sheet, look, &place);
         match look.print.pen {
             None => {
                 let marks = holes.into_iter().map(|outline| Mark::Fill { outline, colour: *ink });
@@ -159,16 +158,10 @@ pub fn stencil(
 }
 
 /// The outlines of a sheet's holes.
-fn holes(
-    sheet: &Plane<bool>,
-    cutting: &Cutting,
-    (look, place): (&Look<'_>, &Placement),
-) -> Vec<Vec<Path>> {
+fn holes(sheet: &Plane<bool>, look: &Look<'_>, place: &Placement) -> Vec<Vec<Path>> {
     let labels = sheet.map(|s| u8::from(*s));
     let covered = sheet.map(|_| true);
-    // Smoothing leaves bars alone that are several times as wide.
-    let sigma =
-        scaled(look.knobs.smooth, sheet.height()).min((cutting.bridge / place.scale) as f32 / 5.0);
+    let sigma = scaled(look.knobs.smooth, sheet.height()).min(HAIR);
     Regions::trace(&labels, &covered, 2, sigma, (look.knobs, place)).by_label.swap_remove(0)
 }
 
@@ -211,6 +204,9 @@ impl Regions {
 
 /// Smoothing by less than this, in pixels, leaves the steps of pixels in borders.
 const STEADY: f64 = 1.1;
+
+/// Smoothing by so much, in pixels, leaves whole what is one pixel wide, along an axis or a diagonal.
+const HAIR: f32 = 0.5;
 
 /// How far borders smoothed by `sigma` pixels are smoothed in all, and the rounds along them that are
 /// wanting; none where nothing is to be smoothed.
@@ -298,8 +294,10 @@ impl Plotter<'_> {
         let mut travel = Travel::default();
         let scheme = self.plate.scheme;
         let free = strokes(&self.plate.lines.white, self.place);
-        for (outlines, &colour) in regions.by_label.iter().zip(self.plate.colours) {
-            let mut paths = self.hatched(outlines, colour, &free);
+        let tones = regions.by_label.iter().zip(self.plate.colours).enumerate();
+        for (tone, (outlines, &colour)) in tones {
+            let turned = self.knobs.hatch_angle + tone as f32 * self.knobs.hatch_turn;
+            let mut paths = self.hatched(outlines, (colour, turned), &free);
             if colour == scheme.ink {
                 paths.extend(strokes(&self.plate.lines.black, self.place));
             }
@@ -313,9 +311,15 @@ impl Plotter<'_> {
         (layers, travel)
     }
 
-    fn hatched(&self, outlines: &[Vec<Path>], colour: Colour, free: &[Path]) -> Vec<Path> {
+    /// Strokes of a colour's regions at an angle in degrees; `free` lines are left out.
+    fn hatched(
+        &self,
+        outlines: &[Vec<Path>],
+        (colour, degrees): (Colour, f32),
+        free: &[Path],
+    ) -> Vec<Path> {
         let Some(spacing) = self.spacing(colour) else { return Vec::new() };
-        let angle = f64::from(self.knobs.hatch_angle).to_radians();
+        let angle = f64::from(degrees).to_radians();
         let how = Hatch { angle, spacing, pen: self.pen };
         let width = f64::from(self.plate.lines.width) * self.place.scale;
         let mut paths = Vec::new();
@@ -365,4 +369,22 @@ fn smoothed(path: &Path, step: f64) -> Option<Path> {
 fn hex(colour: Colour) -> String {
     let [r, g, b] = [0, 1, 2].map(|i| (colour[i].clamp(0.0, 1.0) * 255.0).round() as u8);
     format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::style::Style;
+
+    #[test]
+    fn holes_of_a_pixels_width_stay_whole() {
+        let slanted = |x: usize, y: usize| (10..190).contains(&x) && y == 20 + x * 7 / 20;
+        let sheet = Plane::from_fn(200, 120, |x, y| !slanted(x, y) && y != 110);
+        let style = Style::find("ink").unwrap();
+        let look = Look::of(&style);
+        let place = look.print.sheet.place(sheet.size()).unwrap();
+        let holes = holes(&sheet, &look, &place);
+        assert_eq!(holes.len(), 2, "one a line");
+        assert!(holes.iter().all(|hole| hole.len() == 1));
+    }
 }

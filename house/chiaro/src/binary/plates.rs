@@ -141,9 +141,9 @@ impl Plates<'_> {
 
     fn svg(&self, picture: &Picture, counts: &mut Map<String, Value>) -> Result<Vec<u8>> {
         let (colours, print) = (&self.look.colours, &self.look.print);
-        if let (Some(stencil), Some(sheets)) = (&self.look.stencil, self.sheets(picture, counts)?) {
+        if let Some(sheets) = self.sheets(picture, counts)? {
             let text = (self.title, self.recipe);
-            return vector::stencil(&sheets, stencil, self.look, text).map(String::into_bytes);
+            return vector::stencil(&sheets, self.look, text).map(String::into_bytes);
         }
         let two = [colours.ink, colours.paper];
         let plate = plate(picture, &two, colours);
