@@ -97,6 +97,21 @@ impl Flats {
         Self { rows, side, shares }
     }
 
+    /// The side of the square that a sample stands for, in pixels.
+    pub(crate) fn side(&self) -> usize {
+        self.side
+    }
+
+    /// How many rows of samples there are.
+    pub(crate) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Which samples of a row lie on which face, from left to right.
+    pub(crate) fn parts(&self, y: usize) -> impl Iterator<Item = (Range<usize>, usize)> {
+        self.rows[y].iter().map(|part| (part.samples.clone(), part.face))
+    }
+
     /// Averages weights over the pixels of each face that have nearly one tone, in [0, 1].
     pub(crate) fn even(&self, weights: &mut Plane<f32>, tone: &Plane<f32>) {
         let kernel = kernel();

@@ -29,6 +29,7 @@ mod line;
 mod mend;
 mod paint;
 mod palette;
+mod patch;
 mod plateau;
 mod price;
 mod round;

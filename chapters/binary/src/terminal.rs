@@ -7,6 +7,7 @@ use crate::appearance::{Channel, Channels};
 use crate::exposure::{Exposure, local_contrast, local_mean, mixed_tone};
 use crate::flat::Flats;
 use crate::knob::{BinaryKnobs, Model};
+use crate::patch;
 use crate::shade::View;
 use chiaro_image::{Plane, Runs};
 use chiaro_trace::GBuffer;
@@ -51,6 +52,7 @@ fn from_tone(
         });
     }
     flats.even(&mut difference, &tone);
+    patch::decide(&flats, &mut difference, &tone, g);
     difference
 }
 
