@@ -316,9 +316,9 @@ fn of_stencil(record: &Record) -> String {
     let bridges = format!("{bridges} bridges ({length:.1} mm in all)");
     match (count("stencils"), count("stencil_energy")) {
         (Some(sheets), Some(energy)) => {
-            format!(": {sheets} stencils of one piece each, {bridges}, energy +{energy:.1}")
+            format!(": {sheets} stencils of one piece each, {bridges}, energy {energy:+.1}")
         }
-        (_, Some(energy)) => format!(": one piece, {bridges}, energy +{energy:.1}"),
+        (_, Some(energy)) => format!(": one piece, {bridges}, energy {energy:+.1}"),
         _ => String::new(),
     }
 }

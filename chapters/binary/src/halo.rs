@@ -30,10 +30,9 @@ pub(crate) fn behind(
             .collect()
     };
     let steps: Vec<_> = (0..h).into_par_iter().flat_map_iter(steps).collect();
-    let least = knobs.line_depth * buffer.radius;
     let mut gap = Plane::filled(w, h, false);
     for (near, towards) in steps {
-        stamp(&mut gap, buffer, (near, towards), width, least);
+        stamp(&mut gap, buffer, (near, towards), width, finder.limit(near));
     }
     Some(gap)
 }

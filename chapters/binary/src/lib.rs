@@ -17,6 +17,7 @@ mod cel;
 mod compose;
 mod cut;
 mod exposure;
+mod faint;
 mod film;
 mod flat;
 mod flicker;

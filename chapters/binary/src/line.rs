@@ -8,6 +8,7 @@
 //! cut a sliver off, gets none. A crease beside a step or another object, nearer than a line is wide,
 //! leaves the line to that.
 
+use crate::faint::{FAINT, go_on};
 use crate::geometry::{angle, depth_step};
 use crate::halo::behind;
 use crate::knob::{BinaryKnobs, DepthForm, scaled};
@@ -26,6 +27,8 @@ const LEAST_DASH: f32 = 3.0;
 const MAP_REACH: f32 = 2.0;
 /// How far from the middle of a line a region must reach on either side, in widths of the line.
 const ROOM: f32 = 1.25;
+/// Lines go on where a depth step is over so much of the least that draws one.
+const FAINTEST: f32 = 0.5;
 
 /// Lines to be drawn.
 #[derive(Clone, Debug, Default)]
@@ -145,15 +148,17 @@ impl Features {
             buffer,
             knobs,
             least_cos: knobs.line_crease.to_radians().min(PI).cos() + 1e-3,
+            half_height: half_heights(buffer),
         };
         let mut marks = vec![0u8; w * h];
         marks.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, row)| {
             for (x, mark) in row.iter_mut().enumerate() {
-                let right = x + 1 < w && finder.is_line((x, y), (x + 1, y));
-                let below = y + 1 < h && finder.is_line((x, y), (x, y + 1));
-                *mark = u8::from(right) | u8::from(below) << 1;
+                let right = if x + 1 < w { finder.line((x, y), (x + 1, y)) } else { 0 };
+                let below = if y + 1 < h { finder.line((x, y), (x, y + 1)) } else { 0 };
+                *mark = right | below << 1;
             }
         });
+        go_on(&mut marks, w);
         let halo = behind(buffer, &finder, knobs);
         Self { marks: Plane::from_pixels(w, h, marks), halo }
     }
@@ -199,24 +204,39 @@ pub(crate) struct Finder<'a> {
     knobs: &'a BinaryKnobs,
     /// Normals whose cosine is greater make no crease.
     least_cos: f32,
+    /// Half the height of what is seen at a depth of 0, and by how much it grows with depth.
+    half_height: [f32; 2],
 }
 
 type Pixel = (usize, usize);
 
+/// Half the height of what is seen at a depth of 0, and by how much it grows with depth.
+fn half_heights(buffer: &GBuffer) -> [f32; 2] {
+    let [near, far] = [0.0, 1.0].map(|z| buffer.pose.pixel_size(z, 2.0));
+    [near, far - near]
+}
+
 impl Finder<'_> {
-    fn is_line(&self, p: Pixel, q: Pixel) -> bool {
+    /// 1 where a line runs, [`FAINT`] where one may go on, else 0.
+    fn line(&self, p: Pixel, q: Pixel) -> u8 {
         match (self.buffer.covered[p], self.buffer.covered[q]) {
-            (true, true) => self.is_inner_line(p, q),
-            (false, false) => false,
-            _ => self.knobs.line_silhouette,
+            (true, true) => self.inner_line(p, q),
+            (false, false) => 0,
+            _ => u8::from(self.knobs.line_silhouette),
         }
     }
 
     /// What pairs of pixels without a feature are told by most cheaply comes first.
-    fn is_inner_line(&self, p: Pixel, q: Pixel) -> bool {
+    fn inner_line(&self, p: Pixel, q: Pixel) -> u8 {
         let k = self.knobs;
-        let objects = k.line_objects && self.buffer.object[p] != self.buffer.object[q];
-        objects || self.is_step(p, q) || (self.is_crease(p, q) && !self.is_beside_edge(p, q))
+        if k.line_objects && self.buffer.object[p] != self.buffer.object[q] {
+            return 1;
+        }
+        let step = self.step(p, q);
+        if step > 1.0 || (self.is_crease(p, q) && !self.is_beside_edge(p, q)) {
+            return 1;
+        }
+        if step > 0.0 { FAINT } else { 0 }
     }
 
     /// Whether a step, another object or the outline runs along a pair of pixels, nearer than a line
@@ -256,11 +276,27 @@ impl Finder<'_> {
         }
     }
 
-    /// A depth step. On what is nearly edge-on a pixel's own depth range is no step.
+    /// The least step that draws a line, in scene units. In a room, R is much more than what is seen:
+    /// there it is half the height of that.
+    pub(crate) fn limit(&self, p: Pixel) -> f32 {
+        let [at_eye, slope] = self.half_height;
+        let seen = at_eye + slope * self.buffer.depth[p];
+        self.knobs.line_depth * self.buffer.radius.min(seen)
+    }
+
+    /// A depth step.
     pub(crate) fn is_step(&self, p: Pixel, q: Pixel) -> bool {
+        self.step(p, q) > 1.0
+    }
+
+    /// A depth step in parts of the least that draws a line, or 0 where no line would even go on. On what
+    /// is nearly edge-on a pixel's own depth range is no step.
+    fn step(&self, p: Pixel, q: Pixel) -> f32 {
         let step = depth_step(self.buffer, p, q, DepthForm::Plane);
-        let limit = self.knobs.line_depth * self.buffer.radius;
-        step > limit && step > 2.0 * self.depth_range(p).min(self.depth_range(q))
+        let limit = self.limit(p).min(self.limit(q));
+        let is_step =
+            step > FAINTEST * limit && step > 2.0 * self.depth_range(p).min(self.depth_range(q));
+        if is_step { step / limit } else { 0.0 }
     }
 
     /// A depth step at which one surface hides another, and does not meet it within the two pixels.
@@ -311,7 +347,7 @@ impl Finder<'_> {
             if is_covered(a) && is_covered(b) { self.bend(index(a), index(b)) } else { 0.0 }
         };
         let is_quiet = |bend: f32| bend < 0.5 * here;
-        let is_deep = |at| self.depth_range(at) > self.knobs.line_depth * self.buffer.radius;
+        let is_deep = |at| self.depth_range(at) > self.limit(at);
         let (before, after) = (beyond(p, -1), beyond(q, 1));
         match (is_quiet(before), is_quiet(after)) {
             (true, true) => true,
@@ -402,6 +438,35 @@ mod tests {
         let plain = rail(false);
         assert_eq!(plain, rail(true));
         assert!(plain.pixels().iter().any(|m| *m > 0));
+    }
+
+    #[test]
+    fn steps_in_a_room_are_told_by_what_is_seen_of_it() {
+        // A board before a wall, four away, in a hall of fifty: less at its right end.
+        let (side, fov_y) = (64usize, 1.0f32);
+        let pose =
+            Pose::look_at(Vec3::Z * 4.0, Vec3::ZERO, Vec3::Y, Projection::Perspective { fov_y });
+        let seen = 4.0 * (0.5 * fov_y).tan();
+        let drawn = |thick: f32, end: f32| {
+            let mut buffer = GBuffer::empty(&pose, 50.0, (side, side));
+            for (x, y) in (0..side * side).map(|i| (i % side, i / side)) {
+                let out = thick + (end - thick) * x as f32 / side as f32;
+                let z = if y < 30 { 0.0 } else { out };
+                let p = (x, y);
+                buffer.covered[p] = true;
+                buffer.object[p] = 1;
+                buffer.depth[p] = 4.0 - z;
+                buffer.position[p] = [0.001 * x as f32, -0.001 * y as f32, z];
+                buffer.geometric_normal[p] = [0.0, 0.0, 1.0];
+                buffer.smooth_normal[p] = [0.0, 0.0, 1.0];
+            }
+            let knobs = BinaryKnobs { line_depth: 0.1, ..BinaryKnobs::default() };
+            let marks = Features::find(&buffer, &knobs).marks;
+            (0..side).filter(|x| marks[(*x, 29)] & 2 != 0).count()
+        };
+        assert_eq!(drawn(0.12 * seen, 0.12 * seen), side);
+        assert_eq!(drawn(0.12 * seen, 0.07 * seen), side, "it goes on");
+        assert_eq!(drawn(0.09 * seen, 0.07 * seen), 0, "too little to begin with");
     }
 
     /// How many columns draw no line along the lower edge of a board, `thick` before a wall and seen a

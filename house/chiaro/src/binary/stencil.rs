@@ -95,7 +95,7 @@ impl Cutting {
         let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
         put("stencils", json!(sheets.len()));
         put("bridges", json!(spans.len()));
-        put("bridges_mm", json!(spans.iter().sum::<f64>()));
+        put("bridges_mm", json!(spans.iter().fold(0.0, |sum, span| sum + span)));
         put("longest_bridge_mm", json!(spans.into_iter().fold(0.0, f64::max)));
         put("stencil_energy", json!(added as f64 / f64::from(picture.graph.scale)));
         Ok(sheets)
@@ -166,7 +166,7 @@ fn report(
     let spans = made.bridges.iter().map(|b| f64::from(b.span));
     let mut put = |name: &str, value: Value| counts.insert(name.into(), value);
     put("bridges", json!(made.bridges.len()));
-    put("bridges_mm", json!(spans.clone().sum::<f64>() * place.scale));
+    put("bridges_mm", json!(spans.clone().fold(0.0, |sum, span| sum + span) * place.scale));
     put("longest_bridge_mm", json!(spans.fold(0.0, f64::max) * place.scale));
     put("parts_dropped", json!(made.dropped));
     put("holes_closed", json!(made.closed));

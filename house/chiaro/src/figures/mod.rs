@@ -47,12 +47,15 @@ struct Figure {
 fn all() -> impl Iterator<Item = &'static Figure> {
     let chapter3 = (chapter3::FIGURES.iter().chain(&painting::FIGURES))
         .chain(comparisons::FIGURES.iter().chain(&films::FIGURES));
+    let mut chapter3: Vec<&Figure> = chapter3.collect();
+    let number = |f: &&Figure| f.name.strip_prefix("3.").and_then(|n| n.parse::<u32>().ok());
+    chapter3.sort_by_key(|f| number(f).unwrap_or(u32::MAX));
     let chapter4 = chapter4::FIGURES
         .iter()
         .chain(&spacetime::FIGURES)
         .chain(&swept::FIGURES)
         .chain(&strokes::FIGURES);
-    let lines = chapter3.chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES);
+    let lines = chapter3.into_iter().chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES);
     lines.chain(&overview::FIGURES)
 }
 
