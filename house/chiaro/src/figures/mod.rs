@@ -55,7 +55,8 @@ fn all() -> impl Iterator<Item = &'static Figure> {
         .chain(&spacetime::FIGURES)
         .chain(&swept::FIGURES)
         .chain(&strokes::FIGURES);
-    let lines = chapter3.into_iter().chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES);
+    let lines =
+        chapter3.into_iter().chain(chapter4).chain(&diffusion::FIGURES).chain(&brushes::FIGURES);
     lines.chain(&overview::FIGURES)
 }
 
