@@ -26,11 +26,11 @@ pub const EDGES: [(isize, isize); 4] = [(1, 0), (1, 1), (0, 1), (-1, 1)];
 /// Weights to E, SE, S and SW relative to N~, in [0, 1]; 0 where an edge leaves the picture or
 /// touches an uncovered pixel. Diagonal edges are not yet shortened.
 pub fn neighbour_factors(buffer: &GBuffer, knobs: &BinaryKnobs) -> Plane<[f32; 4]> {
-    let field = Field::new(buffer, knobs);
-    match &field.mean_normal {
-        Some(mean) => rows::factors(buffer, mean, field.window, knobs),
-        None => edge_by_edge(&field),
+    if is_fast(knobs) {
+        let window = window(buffer, knobs);
+        return rows::factors(buffer, (&means(buffer, window), window), knobs);
     }
+    edge_by_edge(&Field::new(buffer, knobs))
 }
 
 /// [`neighbour_factors`] times `units`, rounded to integers.
@@ -39,11 +39,27 @@ pub(crate) fn capacities(
     units: [f32; 4],
     knobs: &BinaryKnobs,
 ) -> Plane<[i32; 4]> {
-    let field = Field::new(buffer, knobs);
-    match &field.mean_normal {
-        Some(mean) => rows::capacities(buffer, (mean, field.window), units, knobs),
-        None => edge_by_edge(&field).map(|f| rounded(*f, units)),
+    if is_fast(knobs) {
+        let window = window(buffer, knobs);
+        return rows::capacities(buffer, (&means(buffer, window), window), units, knobs);
     }
+    edge_by_edge(&Field::new(buffer, knobs)).map(|f| rounded(*f, units))
+}
+
+/// Whether (3.8) has its fast form.
+fn is_fast(knobs: &BinaryKnobs) -> bool {
+    knobs.curvature_form == CurvatureForm::Fast && knobs.use_geometry
+}
+
+/// c in pixels of a picture.
+fn window(buffer: &GBuffer, knobs: &BinaryKnobs) -> f32 {
+    // A narrower window holds no neighbours.
+    scaled(knobs.curvature_radius, buffer.size().1).max(1.5)
+}
+
+/// The means of the normals over such a window.
+fn means(buffer: &GBuffer, window: f32) -> filter::Means {
+    filter::Means::of(&buffer.normal, &buffer.covered, window * FRAC_1_SQRT_2)
 }
 
 /// The weights one edge at a time: the plain form, in which the fast one is tested.
@@ -81,10 +97,8 @@ type Pixel = (usize, usize);
 
 impl<'a> Field<'a> {
     fn new(buffer: &'a GBuffer, knobs: &'a BinaryKnobs) -> Self {
-        // A narrower window holds no neighbours.
-        let window = scaled(knobs.curvature_radius, buffer.size().1).max(1.5);
-        let fast = knobs.curvature_form == CurvatureForm::Fast && knobs.use_geometry;
-        let mean_normal = fast.then(|| {
+        let window = window(buffer, knobs);
+        let mean_normal = is_fast(knobs).then(|| {
             filter::gaussian_covered3(&buffer.normal, &buffer.covered, window * FRAC_1_SQRT_2)
         });
         Self { buffer, knobs, mean_normal, window }

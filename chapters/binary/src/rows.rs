@@ -19,6 +19,7 @@ use crate::cut::rounded;
 use crate::geometry::EDGES;
 use crate::knob::{BinaryKnobs, DepthForm};
 use chiaro_basis::math::Vec3;
+use chiaro_image::filter::Means;
 use chiaro_image::{Plane, Runs};
 use chiaro_trace::GBuffer;
 use rayon::prelude::*;
@@ -35,33 +36,32 @@ const STRIP: usize = 256;
 /// of the normals over a window of `window` pixels.
 pub(crate) fn factors(
     buffer: &GBuffer,
-    mean_normal: &Plane<[f32; 3]>,
-    window: f32,
+    (means, window): (&Means, f32),
     knobs: &BinaryKnobs,
 ) -> Plane<[f32; 4]> {
-    weighed((buffer, mean_normal, window), knobs, [0.0; 4], |factors| factors)
+    weighed((buffer, means, window), knobs, [0.0; 4], |factors| factors)
 }
 
 /// [`factors`] times `units`, rounded: with no plane between them, since to write one and to read it
 /// again takes a tenth of the time.
 pub(crate) fn capacities(
     buffer: &GBuffer,
-    (mean_normal, window): (&Plane<[f32; 3]>, f32),
+    (means, window): (&Means, f32),
     units: [f32; 4],
     knobs: &BinaryKnobs,
 ) -> Plane<[i32; 4]> {
-    weighed((buffer, mean_normal, window), knobs, [0; 4], |f| rounded(f, units))
+    weighed((buffer, means, window), knobs, [0; 4], |f| rounded(f, units))
 }
 
 /// What `finish` makes of the factors of each pixel, and `nothing` beside the runs of covered pixels.
 fn weighed<T: Copy + Send>(
-    (buffer, mean_normal, window): (&GBuffer, &Plane<[f32; 3]>, f32),
+    (buffer, means, window): (&GBuffer, &Means, f32),
     knobs: &BinaryKnobs,
     nothing: T,
     finish: impl Fn([f32; 4]) -> T + Sync,
 ) -> Plane<T> {
     let (width, height) = buffer.size();
-    let source = Source { buffer, mean_normal, raw: knobs.depth_form == DepthForm::Raw };
+    let source = Source { buffer, means, raw: knobs.depth_form == DepthForm::Raw };
     let scales: [Scales; 4] = std::array::from_fn(|e| Scales::new(buffer.radius, window, e, knobs));
     let runs = Runs::of(&buffer.covered);
     let mut out = vec![nothing; width * height];
@@ -105,7 +105,7 @@ fn weigh_strip<T>(
 
 struct Source<'a> {
     buffer: &'a GBuffer,
-    mean_normal: &'a Plane<[f32; 3]>,
+    means: &'a Means,
     raw: bool,
 }
 
@@ -121,6 +121,8 @@ struct Row {
     cover: Vec<f32>,
     object: Vec<u32>,
     material: Vec<u32>,
+    /// Where means are summed.
+    line: Vec<[f32; 4]>,
 }
 
 impl Row {
@@ -134,6 +136,7 @@ impl Row {
             cover: vec![0.0; width + 2],
             object: vec![0; width + 2],
             material: vec![0; width + 2],
+            line: Vec::new(),
         }
     }
 
@@ -148,7 +151,8 @@ impl Row {
         for run in runs.row(y) {
             let to = run.start + 1..run.end + 1;
             deal(b.normal.row(y), &mut self.normal, &run);
-            deal(source.mean_normal.row(y), &mut self.mean, &run);
+            let mean = self.mean.each_mut().map(|part| &mut part[to.clone()]);
+            source.means.row(y, run.clone(), &mut self.line, mean);
             if source.raw {
                 let eye = b.pose.position;
                 for x in run.clone() {
@@ -311,6 +315,7 @@ mod tests {
             cover: noise(s + 12).iter().map(|v| f32::from(u8::from(*v > -0.8))).collect(),
             object: noise(s + 13).iter().map(|v| u32::from(*v > 0.0)).collect(),
             material: noise(s + 14).iter().map(|v| u32::from(*v > 0.0)).collect(),
+            line: Vec::new(),
         };
         let (p, q) = (row(1), row(50));
         for edge in 0..4 {

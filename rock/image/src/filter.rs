@@ -7,8 +7,10 @@
 
 mod distance;
 mod gaussian;
+mod means;
 mod median;
 
 pub use distance::distance_to;
-pub use gaussian::{gaussian_covered, gaussian_covered3, gaussian_masked};
+pub use gaussian::{gaussian_covered, gaussian_masked};
+pub use means::{Means, gaussian_covered3};
 pub use median::median3;

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// The largest sigma that is convolved at full size, in pixels.
-const FINE_SIGMA: f64 = 4.0;
+pub(super) const FINE_SIGMA: f64 = 4.0;
 
 /// The Gaussian average of the covered pixels around each pixel; `sigma` is the standard deviation
 /// in pixels.
@@ -55,29 +55,6 @@ fn average(plane: &Plane<f32>, mask: &Plane<bool>, sigma: f32, runs: (&Runs, &Ru
     blur(runs, sigma, line, finish)
 }
 
-/// [`gaussian_covered`] of vectors. An average of unit normals is shorter than 1, and by how much
-/// tells how much they bend: it is not made a unit again.
-pub fn gaussian_covered3(
-    plane: &Plane<[f32; 3]>,
-    mask: &Plane<bool>,
-    sigma: f32,
-) -> Plane<[f32; 3]> {
-    assert_eq!(plane.size(), mask.size(), "a mask has the size of its plane");
-    let line = |y: usize, run: Range<usize>, out: &mut [[f32; 4]]| {
-        let row = plane.row(y)[run.clone()].iter().zip(&mask.row(y)[run]);
-        for (out, (&[a, b, c], &covered)) in out.iter_mut().zip(row) {
-            let fit = covered && a.is_finite() && b.is_finite() && c.is_finite();
-            *out = if fit { [a, b, c, 1.0] } else { [0.0; 4] };
-        }
-    };
-    let finish = |&[a, b, c, weight]: &[f32; 4]| {
-        let scale = if weight > 0.0 { 1.0 / weight } else { 0.0 };
-        [a * scale, b * scale, c * scale]
-    };
-    let runs = Runs::of(mask);
-    blur((&runs, &runs), sigma, line, finish)
-}
-
 /// Pixels past which nothing is averaged.
 fn reach(sigma: f32) -> usize {
     // A coarse grid adds its splines' width on either side, less than 2 cells of sigma / 3 in all.
@@ -101,6 +78,16 @@ fn blur<const C: usize, T: Clone + Send>(
     if sigma <= FINE_SIGMA {
         return convolved((have, want), &gaussian_taps(sigma * sigma), line, finish);
     }
+    let (coarse, factor) = coarse((have, want), sigma, line);
+    spread(&coarse, factor, want, finish)
+}
+
+/// The convolution with a Gaussian over [`FINE_SIGMA`] on a coarser grid, and how much coarser that is.
+pub(super) fn coarse<const C: usize>(
+    (have, want): (&Runs, &Runs),
+    sigma: f64,
+    line: impl Fn(usize, Range<usize>, &mut [[f32; C]]) + Sync,
+) -> (Plane<[f32; C]>, usize) {
     let factor = (sigma / FINE_SIGMA).ceil();
     let taps = gaussian_taps((sigma / factor).powi(2) - 0.5);
     let factor = factor as usize;
@@ -109,14 +96,13 @@ fn blur<const C: usize, T: Clone + Send>(
         out.copy_from_slice(&gathered.row(y)[run]);
     };
     let (from, to) = (coarser(have, factor), coarser(want, factor));
-    let coarse = convolved((&from, &to), &taps, line, |sum| *sum);
-    spread(&coarse, factor, want, finish)
+    (convolved((&from, &to), &taps, line, |sum| *sum), factor)
 }
 
 /// The taps at 0, 1, 2, ... of a Gaussian cut off past four standard deviations, scaled so that
 /// all taps, both sides counted, sum to 1. The width of the bell is found by bisection so that the
 /// variance of the taps, as sampled and cut, is `variance`.
-fn gaussian_taps(variance: f64) -> Vec<f32> {
+pub(super) fn gaussian_taps(variance: f64) -> Vec<f32> {
     let radius = (4.0 * variance.sqrt()).ceil() as usize;
     let (mut narrow, mut wide) = (0.0, 1.5 * variance.sqrt() + 0.5);
     for _ in 0..50 {
@@ -153,7 +139,7 @@ fn convolved<const C: usize, T: Clone + Send>(
 }
 
 /// The convolution with symmetric `taps` along x of the runs that `line` fills in.
-fn convolved_along_x<const C: usize>(
+pub(super) fn convolved_along_x<const C: usize>(
     (have, want): (&Runs, &Runs),
     taps: &[f32],
     line: impl Fn(usize, Range<usize>, &mut [[f32; C]]) + Sync,
@@ -190,7 +176,7 @@ fn convolved_along_x<const C: usize>(
 }
 
 /// Adds a run of row `y` of the convolution with symmetric `taps` along y.
-fn convolve_along_y<const C: usize>(
+pub(super) fn convolve_along_y<const C: usize>(
     plane: &Plane<[f32; C]>,
     taps: &[f32],
     (y, run): (usize, Range<usize>),
@@ -286,9 +272,12 @@ fn finished<const C: usize, T: Clone + Send>(
     Plane::from_pixels(width, height, pixels)
 }
 
+/// The first of three cells, and a pixel's weights in them.
+pub(super) type Cells = (usize, [f32; 3]);
+
 /// Where pixel `x` falls on a grid coarser by `factor`, and its three quadratic B-spline weights.
 /// The grid begins one cell before the picture and ends one cell after it.
-fn cells(x: usize, factor: usize) -> (usize, [f32; 3]) {
+fn cells(x: usize, factor: usize) -> Cells {
     let first = x / factor;
     let offset = ((x % factor) as f64 + 0.5) / factor as f64 - 0.5;
     let weights =
@@ -302,7 +291,7 @@ fn cell_count(length: usize, factor: usize) -> usize {
 }
 
 /// [`cells`] of a row of pixels.
-fn cells_of(length: usize, factor: usize) -> Vec<(usize, [f32; 3])> {
+pub(super) fn cells_of(length: usize, factor: usize) -> Vec<Cells> {
     (0..length).map(|x| cells(x, factor)).collect()
 }
 
@@ -358,31 +347,45 @@ fn spread<const C: usize, T: Clone + Send>(
     want: &Runs,
     finish: impl Fn(&[f32; C]) -> T + Sync,
 ) -> Plane<T> {
-    // Each pixel is gathered with weights that sum to 1 and spread over factor^2 pixels.
-    let scale = 1.0 / (factor * factor) as f32;
     let (width, height) = want.size();
     let columns = cells_of(width, factor);
     let mut pixels = vec![finish(&[0.0; C]); width * height];
     pixels.par_chunks_mut(width.max(1)).enumerate().for_each_init(
         || vec![[0.0; C]; coarse.width()],
         |line, (y, row)| {
-            let (first, weights) = cells(y, factor);
             for run in want.row(y) {
-                let cells = columns[run.start].0..columns[run.end - 1].0 + 3;
-                line[cells.clone()].fill([0.0; C]);
-                for (cell, weight) in (first..).zip(weights) {
-                    let from = coarse.row(cell)[cells.clone()].as_flattened();
-                    add_scaled(line[cells.clone()].as_flattened_mut(), from, weight * scale);
-                }
-                for (pixel, (first, [a, b, c])) in row[run.clone()].iter_mut().zip(&columns[run]) {
-                    let cells = &line[*first..*first + 3];
-                    let mix = |i: usize| a * cells[0][i] + b * cells[1][i] + c * cells[2][i];
-                    *pixel = finish(&std::array::from_fn(mix));
-                }
+                let columns = &columns[run.clone()];
+                let sums = spread_row((coarse, factor), y, columns, line);
+                row[run].iter_mut().zip(sums).for_each(|(pixel, sum)| *pixel = finish(&sum));
             }
         },
     );
     Plane::from_pixels(width, height, pixels)
+}
+
+/// What a coarse plane spreads to a run of row `y`, of which `columns` are the cells; `line` is as wide as
+/// that plane.
+#[inline(always)]
+pub(super) fn spread_row<'a, const C: usize>(
+    (coarse, factor): (&Plane<[f32; C]>, usize),
+    y: usize,
+    columns: &'a [Cells],
+    line: &'a mut [[f32; C]],
+) -> impl Iterator<Item = [f32; C]> + 'a {
+    // Each pixel is gathered with weights that sum to 1 and spread over factor^2 pixels.
+    let scale = 1.0 / (factor * factor) as f32;
+    let (first, weights) = cells(y, factor);
+    let cells = columns[0].0..columns[columns.len() - 1].0 + 3;
+    line[cells.clone()].fill([0.0; C]);
+    for (cell, weight) in (first..).zip(weights) {
+        let from = coarse.row(cell)[cells.clone()].as_flattened();
+        add_scaled(line[cells.clone()].as_flattened_mut(), from, weight * scale);
+    }
+    let line = &*line;
+    columns.iter().map(move |(first, [a, b, c])| {
+        let cells = &line[*first..*first + 3];
+        std::array::from_fn(|i| a * cells[0][i] + b * cells[1][i] + c * cells[2][i])
+    })
 }
 
 #[cfg(test)]
@@ -503,16 +506,6 @@ mod tests {
         let covered = plane.pixels().iter().zip(mask.pixels()).filter(|(_, c)| **c);
         let (sum, count) = covered.fold((0.0, 0.0), |(s, n), (v, _)| (s + v, n + 1.0));
         assert!(average.pixels().iter().all(|v| (v - sum / count).abs() < 1e-4));
-    }
-
-    #[test]
-    fn mean_normals_are_shorter_where_they_bend() {
-        let plane =
-            Plane::from_fn(41, 5, |x, _| if x < 20 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] });
-        let mean = gaussian_covered3(&plane, &Plane::filled(41, 5, true), 2.0);
-        let length = |x: usize| mean[(x, 2)].iter().map(|c| c * c).sum::<f32>().sqrt();
-        assert!((length(2) - 1.0).abs() < 1e-3);
-        assert!((length(20) - 0.5f32.sqrt()).abs() < 0.02);
     }
 
     #[test]
