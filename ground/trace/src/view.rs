@@ -34,6 +34,12 @@ impl Framing {
         Self { bounds: outline.bounds(), outline, room: Stand::find(tracer) }
     }
 
+    /// The same for a camera that turns once round the vertical through the middle of what it frames; a room as it is.
+    pub fn turned(self) -> Self {
+        let outline = self.outline.turned();
+        Self { bounds: outline.bounds(), outline, ..self }
+    }
+
     /// A good aspect (width over height): the shape's own in the default view, between 3:4 and
     /// 4:3; rooms are 4:3.
     pub fn aspect(&self, orbit: f32) -> f32 {

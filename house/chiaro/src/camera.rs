@@ -8,9 +8,14 @@ use chiaro_ink::Sheet;
 use chiaro_scene::{Bounds, Frame, Pose, Projection};
 use chiaro_trace::view;
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 
 /// The longer side of a picture whose size nobody chose, in pixels.
 const DEFAULT_SIDE: f32 = 1024.0;
+
+/// Frames that a default view is framed by at most, and vertices in all of them.
+const FRAMING: usize = 48;
+const FRAMING_VERTICES: usize = 1_000_000;
 
 /// The camera of a shot.
 #[derive(Clone, Debug)]
@@ -68,7 +73,8 @@ impl Camera {
         let o = &project.options;
         let first = frames.first().expect("a shot has a frame");
         let tracer = project.tracer(first);
-        let framing = view::Framing::of(&tracer, frames);
+        let framing = view::Framing::of(&tracer, &framed(project, frames, run));
+        let framing = if o.turntable { framing.turned() } else { framing };
         let size = size(o, framing.aspect(o.orbit))?;
         let aspect = size.0 as f32 / size.1 as f32;
         let (mut pose, setting) = framing.view(aspect, o.orbit);
@@ -171,6 +177,17 @@ impl Camera {
         let width = ((w * height) as f32 / h as f32).round().max(1.0) as usize;
         Self { size: (width, height), ..self.clone() }
     }
+}
+
+/// Frames of a shot that show all of its movement, as many as vertices allow; `few` at least.
+fn framed<'a>(project: &Project, few: &'a [Frame], run: &Run) -> Cow<'a, [Frame]> {
+    let vertices: usize = few[0].shapes.iter().map(|s| s.positions.len()).sum();
+    let numbers = project.sampled_shot((FRAMING_VERTICES / vertices.max(1)).min(FRAMING));
+    if numbers.len() <= few.len() {
+        return Cow::Borrowed(few);
+    }
+    let poser = project.poser();
+    Cow::Owned(numbers.into_iter().map(|n| project.pose(&poser, n, run)).collect())
 }
 
 fn find_camera(project: &Project, name: &str) -> Result<usize> {

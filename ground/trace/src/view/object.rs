@@ -7,9 +7,13 @@
 use chiaro_basis::math::{Quat, Vec3};
 use chiaro_scene::{Bounds, Frame, Pose, Projection};
 use rayon::prelude::*;
+use std::f32::consts::TAU;
 
 /// The share of the picture's height or width that the shape fills.
 const FILL: f32 = 0.92;
+
+/// Views of what is turned; between two of them a point sways by less than the margin.
+const TURNS: usize = 24;
 
 /// Points that frame as the whole shape does, over the shot.
 pub(super) struct Outline {
@@ -24,6 +28,14 @@ impl Outline {
 
     pub(super) fn bounds(&self) -> Bounds {
         Bounds::of(self.points.iter().copied())
+    }
+
+    /// The points as they are passed on the way round the vertical through their middle.
+    pub(super) fn turned(&self) -> Self {
+        let centre = self.bounds().centre();
+        let turn = |k: usize| Quat::from_rotation_y(TAU * k as f32 / TURNS as f32);
+        let all = |k| self.points.iter().map(move |p| centre + turn(k) * (*p - centre));
+        Self { points: (0..TURNS).flat_map(all).collect() }
     }
 
     /// Width over height of the shape in the view, between 3:4 and 4:3.
@@ -161,6 +173,23 @@ mod tests {
         let wide = side(0, f32::max, 0.0) - side(0, f32::min, 1e9);
         assert!((wide - FILL * 640.0).abs() < 1.0, "{wide}");
         assert!(side(1, f32::min, 1e9) > 0.0 && side(1, f32::max, 0.0) < 480.0);
+    }
+
+    #[test]
+    fn what_is_turned_stays_in_the_picture() {
+        let frame = frame_of(vec![slab(Vec3::new(-3.0, 0.0, 1.0), Vec3::new(5.0, 1.0, 2.0))]);
+        let outline = Outline::of(std::slice::from_ref(&frame));
+        let outside = |framed: &Outline| {
+            let pose = framed.view(4.0 / 3.0, 0.0);
+            let centre = framed.bounds().centre();
+            let turned =
+                |k: usize, p: Vec3| centre + Quat::from_rotation_y(0.01 * k as f32) * (p - centre);
+            let places = (0..629).flat_map(|k| outline.points.iter().map(move |p| turned(k, *p)));
+            let seen = places.map(|p| pose.project(p, 640.0, 480.0).unwrap_or([-1.0; 2]));
+            seen.filter(|[x, y]| !(0.0..640.0).contains(x) || !(0.0..480.0).contains(y)).count()
+        };
+        assert!(outside(&outline) > 0);
+        assert_eq!(outside(&outline.turned()), 0);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::pattern::matches;
 use crate::write;
 use chiaro_basis::{Error, Knobs, Result, nearest};
 use chiaro_image::codec::{self, Limits};
+use chiaro_image::colour::parse_colour;
 use chiaro_ink::brush::{Brush, Grain, Mark, Texture};
 use chiaro_lines::{Hidden, Kind, LinesKnobs};
 use serde_json::{Map, Value, json};
@@ -138,13 +139,17 @@ impl LineStyle {
         let of_rules = self.rules.iter().flat_map(|r| &r.sets).filter(|(k, _)| k == "picture");
         let names = of_rules.map(|(_, v)| v.clone()).chain([self.brush.picture.clone()]);
         for name in names.filter(|n| !n.is_empty()).collect::<Vec<_>>() {
-            let path = folder.join(&name);
-            let shown = path.display().to_string();
-            let bytes = disk::read(&path)?;
-            let picture = codec::read_picture(&bytes, &shown, &Limits::default())?;
-            let loaded = Loaded { texture: Texture::of(&picture), sha256: write::sha256(&bytes) };
-            self.textures.insert(name, Arc::new(loaded));
+            self.load_texture(&folder.join(&name), name)?;
         }
+        Ok(())
+    }
+
+    /// Loads a picture that brushes have a name for.
+    fn load_texture(&mut self, path: &Path, name: String) -> Result<()> {
+        let bytes = disk::read(path)?;
+        let picture = codec::read_picture(&bytes, &path.display().to_string(), &Limits::default())?;
+        let loaded = Loaded { texture: Texture::of(&picture), sha256: write::sha256(&bytes) };
+        self.textures.insert(name, Arc::new(loaded));
         Ok(())
     }
 
@@ -154,16 +159,21 @@ impl LineStyle {
     }
 
     /// Sets a knob of lines or of their brush, or, as in `crease.width`, of that for a line type or
-    /// for hidden lines.
+    /// for hidden lines. A picture is read from where the program runs.
     pub fn set(&mut self, text: &str) -> Result<()> {
         let (key, value) = text
             .split_once('=')
             .ok_or_else(|| Error::setting("--set", text, "a knob and its value, as in width=3"))?;
         let (key, value) = (key.trim(), value.trim());
         if let Some((name, key)) = key.split_once('.') {
-            let mut rule =
-                Self::rule_for(name).ok_or_else(|| Error::setting("--set", text, no_type(name)))?;
-            Brush::default().set(key, value)?;
+            let mut rule = Self::rule_for(name).ok_or_else(|| {
+                let known = format!("a type of line before the point: {}", no_type(name));
+                Error::setting("--set", text, known)
+            })?;
+            set_checked(&mut Brush::default(), key, value)?;
+            if key == "picture" && !value.is_empty() {
+                self.load_texture(Path::new(value), value.into())?;
+            }
             rule.sets.push((key.into(), value.into()));
             self.rules.push(rule);
             return Ok(());
@@ -173,7 +183,10 @@ impl LineStyle {
             return self.knobs.set(key, value);
         }
         if names(Brush::table()).any(|n| n == key) {
-            return self.brush.set(key, value);
+            if key == "picture" && !value.is_empty() {
+                self.load_texture(Path::new(value), value.into())?;
+            }
+            return set_checked(&mut self.brush, key, value);
         }
         let near = nearest(key, names(LinesKnobs::table()).chain(names(Brush::table())));
         let hint = near.map(|n| format!("; did you mean {n}?")).unwrap_or_default();
@@ -304,7 +317,21 @@ fn set_brush(
     (key, value): (&String, &toml::Value),
 ) -> Result<()> {
     let fail = |e: Error| Error::input(file, format!("{place} {key}"), e.to_string());
-    brush.set(key, &text_of(value)).map_err(fail)
+    set_checked(brush, key, &text_of(value)).map_err(fail)
+}
+
+/// Sets a knob of a brush; colours must be known.
+fn set_checked(brush: &mut Brush, key: &str, value: &str) -> Result<()> {
+    if key == "colour" && !["ink", "paper", "object", "id"].contains(&value) {
+        let known = |e: Error| match e {
+            Error::Setting { range, .. } => {
+                Error::setting(key, value, format!("ink, paper, object, id, or {range}"))
+            }
+            other => other,
+        };
+        parse_colour(value).map_err(known)?;
+    }
+    brush.set(key, value)
 }
 
 fn text_of(value: &toml::Value) -> String {
@@ -378,5 +405,27 @@ mod tests {
         );
         let error = LineStyle::default().set("presure=1").unwrap_err().to_string();
         assert!(error.contains("did you mean pressure?"), "{error}");
+        for text in ["colour=purplish", "crease.colour=#12"] {
+            let error = LineStyle::default().set(text).unwrap_err().to_string();
+            assert!(error.contains("ink, paper, object, id"), "{error}");
+        }
+        let error = style("[stroke]\ncolour = \"purplish\"").unwrap_err().to_string();
+        assert!(error.contains("a.toml") && error.contains("purplish"), "{error}");
+        let mut good = LineStyle::default();
+        ["colour=id", "colour=navy", "hidden.colour=#22336680"]
+            .into_iter()
+            .for_each(|text| good.set(text).unwrap());
+    }
+
+    #[test]
+    fn a_picture_that_a_setting_names_is_read() {
+        let file = tempfile::Builder::new().suffix(".png").tempfile().unwrap();
+        let mut style = LineStyle::default();
+        let set = format!("picture={}", file.path().display());
+        assert!(style.set(&set).is_err());
+        let stroke = chiaro_image::Plane::from_fn(8, 4, |x, _| 30 * x as u8);
+        std::fs::write(file.path(), codec::write_png_grey(&stroke, None).unwrap()).unwrap();
+        style.set(&set).unwrap();
+        assert!(style.texture(&style.brush).is_some());
     }
 }
