@@ -4,7 +4,8 @@
 //!    small lamps, the same for every pixel; what shines near a pixel is parted further, into pieces.
 //! 2. Small lamps, and the pieces of each, are dealt to the 16 pixels of a 4 x 4 tile, the sky's to the 64
 //!    of an 8 x 8 one; then every pixel takes the mean of the window of that size around it,
-//!    which holds the whole set once.
+//!    which holds the whole set once. Each of the four small tiles in a large one has other quarters of
+//!    what shines: where a shadow's edge is wide, the mean is of the large window, with them all.
 //!    Shining triangles give, where nothing stands between, what they do in closed form; their
 //!    small lamps tell how much of that arrives (Heitz et al. 2018).
 //! 3. Where the window does not lie on one smooth surface, the pixel visits the set by itself. The sky's
@@ -14,7 +15,7 @@
 //! a few pixels wide are softened by the window.
 
 use crate::gbuffer::GBuffer;
-use crate::glow::{Cluster, Glow};
+use crate::glow::{Cluster, Glow, QUARTERS};
 use crate::light::Lamp;
 use crate::lights::{Lights, lamp_at};
 use crate::sample::Sequence;
@@ -33,11 +34,16 @@ const DEAL: usize = TILE * TILE;
 const SKY_TILE: usize = 2 * TILE;
 const SKY_DEAL: usize = SKY_TILE * SKY_TILE;
 /// Small lamps for what shines, and for the sky: so many for each pixel of a tile.
-const GLOW_SHARE: usize = 4;
+const SHARED: usize = 8;
 const SKY_SHARE: usize = 8;
-/// A pixel by itself visits one in so many of the pieces, and of the sky's lamps.
+/// A pixel by itself visits so many for what shines, over the pixels of a tile, one in so many of the pieces, and of
+/// the sky's lamps.
+const ALONE_SHARE: usize = 4;
 const ALONE: usize = 2;
 const SKY_ALONE: usize = 4;
+/// Differences between what arrives by the small and by the large window: up to the first the large one stands,
+/// beyond the second, beside a shadow's narrow edge, the small one.
+const EVEN: [f32; 2] = [0.06, 0.14];
 /// The least cosine between normals of a window: of a flat one, and of one that is merely bent.
 const FLAT: f32 = 0.97;
 const BENT: f32 = 0.75;
@@ -52,6 +58,8 @@ type Pixel = (usize, usize);
 /// The fixed lamps of a frame.
 struct Fixed {
     hard: Vec<Lamp>,
+    /// What shines, for pixels that share it, and for those that stand alone.
+    shared: Vec<[Cluster; QUARTERS]>,
     glow: Vec<Cluster>,
     suns: Vec<Lamp>,
     sky: Vec<Lamp>,
@@ -59,16 +67,23 @@ struct Fixed {
 
 impl Fixed {
     fn of(lights: &Lights) -> Self {
-        let glow = lights.glow.clusters(DEAL * GLOW_SHARE);
+        let shared = lights.glow.quartered(DEAL * SHARED);
+        let glow = lights.glow.clusters(DEAL * ALONE_SHARE);
         let (suns, sky) = lights.sky.as_deref().map(sky_lamps).unwrap_or_default();
-        Self { hard: lights.lamps.clone(), glow, suns, sky }
+        Self { hard: lights.lamps.clone(), shared, glow, suns, sky }
+    }
+
+    /// Whether any stand for what is large.
+    fn is_small(&self) -> bool {
+        !self.glow.is_empty() || !self.sky.is_empty()
     }
 
     /// From what shines and from suns, by the share of them that falls to a pixel of a tile.
-    fn dealt(&self, scene: (&Tracer, &Glow), at: &Vertex, place: usize) -> Soft {
-        let far = self.glow.iter().skip(place).step_by(DEAL);
-        let far = far.map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
-        let near = self.glow.iter().flat_map(|c| {
+    fn dealt(&self, scene: (&Tracer, &Glow), at: &Vertex, [tile, place]: [usize; 2]) -> Soft {
+        let clusters =
+            || self.shared.iter().enumerate().map(|(i, q)| &q[(tile + i + i / DEAL) % QUARTERS]);
+        let far = clusters().skip(place).step_by(DEAL).map(|c| afar(c, at));
+        let near = clusters().flat_map(|c| {
             let share = c.nearness(at.position);
             let pieces = if share > 0.0 { &c.pieces[..] } else { &[] };
             pieces.iter().skip(place).step_by(DEAL).map(move |l| (*l, share))
@@ -81,8 +96,7 @@ impl Fixed {
     /// The same by a pixel that stands alone.
     fn alone(&self, scene: (&Tracer, &Glow), at: &Vertex) -> Soft {
         // All clusters: one may be the only lamp of its room.
-        let far =
-            self.glow.iter().map(|c| (c.seen_from(at.position), 1.0 - c.nearness(at.position)));
+        let far = self.glow.iter().map(|c| afar(c, at));
         let many = ALONE as f32;
         let near = self.glow.iter().flat_map(|c| {
             let share = c.nearness(at.position);
@@ -92,6 +106,11 @@ impl Fixed {
         let suns = self.suns.iter().map(|l| (*l, 1.0));
         Soft::of(scene, at, far.chain(near), suns)
     }
+}
+
+/// A cluster as one lamp, and the share of its light that this gives.
+fn afar(cluster: &Cluster, at: &Vertex) -> (Lamp, f32) {
+    (cluster.seen_from(at.position), 1.0 - cluster.nearness(at.position))
 }
 
 /// Irradiance from what shines and from suns.
@@ -133,6 +152,23 @@ impl Soft {
             None => self.glow,
         };
         plus(glow, self.suns)
+    }
+
+    /// By the lamps of a small window; where those of the large one say much the same, by these.
+    fn with(self, large: Option<Self>) -> Self {
+        let Some(large) = large else { return self };
+        let (own, all) = (self.arriving(), large.arriving());
+        let share = 1.0 - ((own - all).abs() - EVEN[0]) / (EVEN[1] - EVEN[0]);
+        let share = share.clamp(0.0, 1.0);
+        let mix =
+            |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|i| (1.0 - share) * a[i] + share * b[i]);
+        Self { glow: mix(self.glow, large.glow), open: mix(self.open, large.open), ..self }
+    }
+
+    /// The share of what shines that arrives.
+    fn arriving(&self) -> f32 {
+        let open = luminance(self.open);
+        if open > 0.0 { luminance(self.glow) / open } else { 1.0 }
     }
 
     fn mean(pixels: &[Pixel], of: impl Fn(Pixel) -> Self) -> Self {
@@ -205,7 +241,7 @@ pub fn direct_irradiance(
         let own = fixed.sky.iter().skip(SKY_SHARE * sky_place(x, y)).take(SKY_SHARE);
         Raw {
             hard: lamp_irradiance(scene, &at, &fixed.hard),
-            soft: fixed.dealt(scene, &at, place(x, y)),
+            soft: fixed.dealt(scene, &at, [tile(x, y), place(x, y)]),
             sky: sum(scene, &at, own.map(|l| (*l, SKY_DEAL as f32))),
         }
     });
@@ -215,16 +251,18 @@ pub fn direct_irradiance(
             return [0.0; 3];
         }
         let small = window(buffer, (x, y), [0; 2], TILE, FLAT);
+        let large = if fixed.is_small() { large_window(buffer, (x, y)) } else { None };
         let at = Vertex::of_pixel(tracer, buffer, (x, y));
+        let over = |pixels: &Vec<Pixel>| Soft::mean(pixels, |at| raw[at].soft);
         let soft = match &small {
-            Some(pixels) => Soft::mean(pixels, |at| raw[at].soft),
+            Some(pixels) => over(pixels).with(large.as_ref().map(over)),
             None => fixed.alone(scene, &at),
         };
         let soft = soft.whole(lights.glow.open_irradiance(at.position, at.normal));
         if fixed.sky.is_empty() {
             return soft;
         }
-        let sky = match sky_window(buffer, (x, y)).or_else(|| bent(buffer, (x, y), small)) {
+        let sky = match large.or_else(|| bent(buffer, (x, y), small)) {
             Some(pixels) => mean(&pixels, |at| raw[at].sky),
             None => {
                 let some = fixed.sky.iter().take(SKY_DEAL * SKY_SHARE / SKY_ALONE);
@@ -252,10 +290,15 @@ fn place(x: usize, y: usize) -> usize {
     ORDER[(y % TILE) * TILE + x % TILE]
 }
 
-/// The same in the sky's tiles: each of the tiles of 4 x 4 in one of them has a quarter of the lamps.
+/// Which of the tiles of 4 x 4 in one of 8 x 8: each has a quarter of the lamps.
+fn tile(x: usize, y: usize) -> usize {
+    const TURN: [usize; QUARTERS] = [0, 2, 3, 1];
+    TURN[(y / TILE % 2) * 2 + x / TILE % 2]
+}
+
+/// A pixel's place in the sky's tiles.
 fn sky_place(x: usize, y: usize) -> usize {
-    const TURN: [usize; 4] = [0, 2, 3, 1];
-    DEAL * TURN[(y / TILE % 2) * 2 + x / TILE % 2] + place(x, y)
+    DEAL * tile(x, y) + place(x, y)
 }
 
 /// Irradiance at a vertex from lamps, each with a shadow ray, through what shines.
@@ -284,8 +327,8 @@ fn mean(pixels: &[Pixel], of: impl Fn(Pixel) -> [f32; 3]) -> [f32; 3] {
     sum.map(|s| s / pixels.len() as f32)
 }
 
-/// The window of the sky: around the pixel, or where that does not lie on its surface, a little aside.
-fn sky_window(buffer: &GBuffer, at: Pixel) -> Option<Vec<Pixel>> {
+/// The large window: around the pixel, or where that does not lie on its surface, a little aside.
+fn large_window(buffer: &GBuffer, at: Pixel) -> Option<Vec<Pixel>> {
     const ASIDE: [[isize; 2]; 9] =
         [[0, 0], [2, 0], [-2, 0], [0, 2], [0, -2], [2, 2], [-2, -2], [2, -2], [-2, 2]];
     ASIDE.into_iter().find_map(|by| window(buffer, at, by, SKY_TILE, FLAT))

@@ -11,6 +11,7 @@
 
 mod lambert;
 mod open;
+mod quarter;
 mod seen;
 mod shell;
 
@@ -22,6 +23,7 @@ use chiaro_basis::random;
 use chiaro_image::colour::luminance;
 use chiaro_scene::{Bounds, LightKind};
 use open::Open;
+pub(crate) use quarter::QUARTERS;
 
 /// The shining triangles of a frame.
 #[derive(Clone, Debug, Default)]
@@ -213,22 +215,18 @@ impl Glow {
 
     /// The same lamps with their pieces.
     pub fn clusters(&self, count: usize) -> Vec<Cluster> {
-        const CANDIDATES: usize = 2048;
-        if count == 0 || self.is_empty() {
-            return Vec::new();
-        }
-        let points: Vec<GlowPoint> = (0..CANDIDATES)
-            .filter_map(|i| {
-                let [u, v] = random::r2(i as u64);
-                self.point([(i as f32 + 0.5) / CANDIDATES as f32, u, v])
-            })
-            .collect();
-        let share = (self.power / CANDIDATES as f64) as f32;
-        clusters(&points.iter().map(|p| p.position).collect::<Vec<_>>(), count)
-            .into_iter()
-            .filter(|members| !members.is_empty())
-            .map(|members| self.cluster(&points, &members, share))
-            .collect()
+        let (points, share) = self.candidates(2048);
+        let of = |members: &Vec<usize>| self.cluster(&points, members, share);
+        parted(&points, count).iter().map(of).collect()
+    }
+
+    /// So many points, spread by power, and the power of one.
+    fn candidates(&self, count: usize) -> (Vec<GlowPoint>, f32) {
+        let point = |i: usize| {
+            let [u, v] = random::r2(i as u64);
+            self.point([(i as f32 + 0.5) / count as f32, u, v])
+        };
+        ((0..count).filter_map(point).collect(), (self.power / count as f64) as f32)
     }
 
     fn cluster(&self, points: &[GlowPoint], members: &[usize], share: f32) -> Cluster {
@@ -315,6 +313,17 @@ impl GlowTriangle {
     }
 }
 
+/// Compact clusters of points, at most `count`, none of them empty.
+fn parted(points: &[GlowPoint], count: usize) -> Vec<Vec<usize>> {
+    if count == 0 || points.is_empty() {
+        return Vec::new();
+    }
+    let positions: Vec<Vec3> = points.iter().map(|p| p.position).collect();
+    let mut parts = clusters(&positions, count);
+    parts.retain(|members| !members.is_empty());
+    parts
+}
+
 /// Which of some triangles, in the order of objects and faces, was hit.
 fn listed(triangles: &[GlowTriangle], hit: &Hit) -> Option<usize> {
     triangles.binary_search_by_key(&(hit.object, hit.face), |t| (t.object, t.face)).ok()
@@ -353,11 +362,11 @@ fn clusters(points: &[Vec3], count: usize) -> Vec<Vec<usize>> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use chiaro_basis::math::vec3;
 
-    fn square(radiance: f32) -> Glow {
+    pub(crate) fn square(radiance: f32) -> Glow {
         let [a, b, c, d] = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
             .map(|[x, z]: [f32; 2]| vec3(x, 0.0, z));
         let triangle = |corners: [Vec3; 3]| GlowTriangle {
