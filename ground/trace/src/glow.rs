@@ -9,6 +9,7 @@
 //!
 //! Single-sided materials shine from their front alone, double-sided ones from both sides.
 
+mod bundle;
 mod lambert;
 mod open;
 mod quarter;
@@ -18,6 +19,7 @@ mod shell;
 use crate::light::{Lamp, Patch, Shown};
 use crate::surface::Surfaces;
 use crate::tracer::{Hit, Ray, Sides, Tracer};
+use bundle::Bundles;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
@@ -34,6 +36,8 @@ pub struct Glow {
     /// Power in lumens per pi: radiance's luminance times area, both sides counted.
     power: f64,
     scattered: bool,
+    /// To find those that a place has its light from.
+    bundles: Bundles,
     /// What they give where nothing stands between, unless they are very many or textured.
     open: Option<Open>,
 }
@@ -152,7 +156,8 @@ impl Glow {
         let scattered = area < SPARSE * (2.0 * bounds.radius()).powi(2);
         let known = triangles.len() <= MANY && !triangles.iter().any(|t| t.textured);
         let open = known.then(|| Open::new(&triangles));
-        Self { triangles, cumulative, power, scattered, open }
+        let bundles = Bundles::new(&triangles);
+        Self { triangles, cumulative, power, scattered, bundles, open }
     }
 
     /// Whether what shines stands apart, as the lamps of several rooms do, and is no single panel or bulb:

@@ -17,7 +17,7 @@ use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// Everything that lights a frame.
@@ -157,8 +157,8 @@ impl Lights {
         }
     }
 
-    /// A point of what shines, and the weight of its light. Where that is scattered, the point is one of
-    /// several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
+    /// A point of what shines, and the weight of its light. Where that is scattered and rays find it too, the point is
+    /// one of several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
     /// without, the lamps of a room are rarely found among those of others.
     fn glow_choice(
         &self,
@@ -168,7 +168,7 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> (Option<Candidate>, f32) {
-        if (self.glow.is_few() && !shared) || !self.glow.is_scattered() {
+        if !shared || !self.glow.is_scattered() {
             return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
         }
         let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
@@ -192,10 +192,9 @@ impl Lights {
         numbers: [f32; 3],
         shared: bool,
     ) -> Option<Candidate> {
-        let few = self.glow.is_few() && !shared;
-        let point = match few {
-            true => self.glow.point_seen(at.position, at.normal, numbers),
-            false => self.glow.point(numbers),
+        let point = match shared {
+            true => self.glow.point(numbers),
+            false => self.glow.point_seen(at.position, at.normal, numbers),
         }?;
         let triangle = &self.glow.triangles()[point.triangle];
         let offset = point.position - at.position;
@@ -208,12 +207,8 @@ impl Lights {
         }
         let ray = at.ray_to(point.position)?;
         let density = point.density * distance * distance / outward;
-        let factor = match (shared, few) {
-            (true, _) => cosine / (density + cosine * FRAC_1_PI),
-            (_, true) => cosine / density,
-            // No light source gives more than pi times its radiance.
-            _ => (cosine / density).min(PI),
-        };
+        let other = if shared { cosine * FRAC_1_PI } else { 0.0 };
+        let factor = cosine / (density + other);
         let hit = Hit { t: 0.0, object: triangle.object, face: triangle.face, b: point.b };
         let radiance = if triangle.textured {
             surfaces.emission(tracer, &hit, 0.0)

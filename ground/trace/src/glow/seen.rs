@@ -1,26 +1,21 @@
 //! Points on what shines for a place that sees it, by solid angle.
 //!
-//! Points drawn by area ([`Glow::point`]) seldom are those that a place beside a panel has most of its light from. Where
-//! few triangles shine, one is chosen by its radiance times its solid angle, and a direction uniformly
-//! within it (Arvo 1995): none gives more than what shines could in all.
+//! Points drawn by area ([`Glow::point`]) seldom are those that a place beside a panel has most of its light from. Here
+//! few triangles are chosen by what they may give ([`super::bundle`]), one of them by its radiance times its solid
+//! angle, and a direction uniformly within it (Arvo 1995). Where only few shine none gives more than what shines
+//! could in all.
 
+use super::bundle::FEW;
 use super::{Glow, GlowPoint, GlowTriangle};
 use chiaro_basis::math::{DVec3, Vec3};
 use chiaro_image::colour::luminance;
 
-/// Triangles that are looked at for every place, at most.
-const FEW: usize = 16;
 /// Of the largest coordinate: places no farther from a triangle's plane lie in it, but for rounding.
 const FLUSH: f32 = 1e-6;
 /// Solid angles under which the points of a triangle are all as far, steradians.
 const SMALL: f32 = 1e-4;
 
 impl Glow {
-    /// Whether points are drawn by solid angle.
-    pub(crate) fn is_few(&self) -> bool {
-        self.triangles.len() <= FEW
-    }
-
     /// A point for three numbers in [0, 1), seen from a place on a surface with a normal; the first number
     /// chooses the triangle. `None` where nothing is seen.
     pub(crate) fn point_seen(
@@ -29,16 +24,18 @@ impl Glow {
         normal: Vec3,
         [choice, u, v]: [f32; 3],
     ) -> Option<GlowPoint> {
+        let (few, chosen, choice) = self.bundles.choose(from, normal, choice)?;
         let mut sums = [0.0; FEW];
         let mut sum = 0.0;
-        for (at, t) in sums.iter_mut().zip(&self.triangles) {
+        for (at, i) in sums.iter_mut().zip(few) {
+            let t = &self.triangles[*i as usize];
             sum += luminance(t.radiance) * t.solid_angle(from, normal);
             *at = sum;
         }
-        let index = sums.iter().take(self.triangles.len()).position(|s| choice * sum < *s)?;
+        let index = few[sums.iter().take(few.len()).position(|s| choice * sum < *s)?] as usize;
         let t = &self.triangles[index];
         let solid_angle = t.solid_angle(from, normal);
-        let chosen = luminance(t.radiance) * solid_angle / sum;
+        let chosen = chosen * luminance(t.radiance) * solid_angle / sum;
         if solid_angle < SMALL {
             let b = barycentric([u, v]);
             return Some(t.at(index, b, chosen / t.area));
@@ -155,6 +152,7 @@ mod tests {
             let (towards, distance) = (point.position - from).normalize_and_length();
             let t = &glow.triangles()[point.triangle];
             let outward = -towards.dot(t.normal);
+            let outward = if t.two_sided { outward.abs() } else { outward };
             let factor = towards.dot(normal).max(0.0) * outward / (distance * distance);
             let e = t.radiance[0] * factor / point.density;
             sum += e / count as f32;
@@ -178,6 +176,48 @@ mod tests {
             // Half of it shines three times as brightly.
             assert!((e / (2.0 * form_factor(h)) - 1.0).abs() < 0.01, "{h}: {e} {}", form_factor(h));
             assert!(most <= 2.0 * std::f32::consts::TAU * 2.0, "{h}: {most}");
+        }
+    }
+
+    /// Panels of squares beside each other and above, more than are told apart, of two kinds.
+    fn panels() -> Glow {
+        let square = |x: f32, h: f32, z: f32, face: u32| {
+            let moved = move |c: Vec3| 0.3 * c + vec3(x, h, z);
+            panel(0.0).triangles.into_iter().map(move |t| GlowTriangle {
+                corners: t.corners.map(moved),
+                area: 0.09 * t.area,
+                two_sided: h > 1.0,
+                face: face + t.face,
+                ..t
+            })
+        };
+        let place = |i: u32| {
+            let [x, z] = [i % 7, i / 7].map(|k| 2.0 * k as f32 - 6.0);
+            (x, if i.is_multiple_of(3) { 2.0 } else { 0.05 }, z)
+        };
+        let all = (0..49).flat_map(|i| {
+            let (x, h, z) = place(i);
+            square(x, h, z, 2 * i)
+        });
+        Glow::from_triangles(all.collect())
+    }
+
+    #[test]
+    fn of_many_triangles_it_gives_what_they_do() {
+        let glow = panels();
+        assert!(!glow.bundles.is_one());
+        for (from, normal) in [
+            (Vec3::ZERO, Vec3::Y),
+            (vec3(4.1, 0.0, -2.2), Vec3::Y),
+            (vec3(1.0, 1.0, 0.3), Vec3::X),
+            (vec3(0.3, 2.1, 6.2), Vec3::NEG_Y),
+            (vec3(-30.0, -15.0, 0.0), Vec3::X),
+        ] {
+            let exact = glow.open_irradiance(from, normal).unwrap()[0];
+            let (e, most) = irradiance(&glow, from, normal);
+            let e = std::f32::consts::PI * e;
+            assert!((e / exact - 1.0).abs() < 0.02, "{from} {normal}: {e} {exact}");
+            assert!(most < 12.0 * exact, "{from} {normal}: {most} {exact}");
         }
     }
 
