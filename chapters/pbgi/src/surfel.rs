@@ -176,6 +176,6 @@ pub(crate) fn numbers(lights: &Lights, sequence: &Sequence, index: u32, set: u32
     };
     let [u, v] = point(!lights.glow.is_empty(), 0);
     let [triangle, choice] = sequence.point(index, 3 * set + 1);
-    let sky = point(lights.sky.is_some() || lights.glow.is_scattered(), 2);
+    let sky = point(lights.sky.is_some(), 2);
     LightNumbers { glow: [triangle, u, v], sky, choice }
 }

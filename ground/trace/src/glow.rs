@@ -23,7 +23,7 @@ use bundle::Bundles;
 use chiaro_basis::math::Vec3;
 use chiaro_basis::random;
 use chiaro_image::colour::luminance;
-use chiaro_scene::{Bounds, LightKind};
+use chiaro_scene::LightKind;
 use open::Open;
 pub(crate) use quarter::QUARTERS;
 
@@ -35,7 +35,6 @@ pub struct Glow {
     cumulative: Vec<f64>,
     /// Power in lumens per pi: radiance's luminance times area, both sides counted.
     power: f64,
-    scattered: bool,
     /// To find those that a place has its light from.
     bundles: Bundles,
     /// What they give where nothing stands between, unless they are very many or textured.
@@ -76,9 +75,6 @@ pub struct GlowPoint {
     pub density: f32,
 }
 
-/// Shining area, over the square of its extent, below which it is scattered: a panel has a half, a tube
-/// thirty times as long as thick a tenth.
-const SPARSE: f32 = 0.05;
 /// Triangles whose light is known in closed form, at most.
 const MANY: usize = 10_000;
 /// Pieces of a cluster.
@@ -151,19 +147,10 @@ impl Glow {
             })
             .collect();
         cumulative.iter_mut().for_each(|c| *c /= power);
-        let bounds = Bounds::of(triangles.iter().flat_map(|t| t.corners));
-        let area: f32 = triangles.iter().map(|t| t.area).sum();
-        let scattered = area < SPARSE * (2.0 * bounds.radius()).powi(2);
         let known = triangles.len() <= MANY && !triangles.iter().any(|t| t.textured);
         let open = known.then(|| Open::new(&triangles));
         let bundles = Bundles::new(&triangles);
-        Self { triangles, cumulative, power, scattered, bundles, open }
-    }
-
-    /// Whether what shines stands apart, as the lamps of several rooms do, and is no single panel or bulb:
-    /// its area is small for its extent.
-    pub fn is_scattered(&self) -> bool {
-        self.scattered
+        Self { triangles, cumulative, power, bundles, open }
     }
 
     /// The triangles.
@@ -431,18 +418,6 @@ pub(crate) mod tests {
                 .sum();
             assert!((sum / exact - 1.0).abs() < 0.1, "{h}: {sum} {exact}");
         }
-    }
-
-    #[test]
-    fn lamps_far_apart_are_scattered_and_panels_are_not() {
-        let panel = square(5.0);
-        let moved = |t: &GlowTriangle| GlowTriangle {
-            corners: t.corners.map(|c| c + 20.0 * Vec3::X),
-            ..*t
-        };
-        let both = panel.triangles().iter().flat_map(|t| [*t, moved(t)]).collect();
-        assert!(!panel.is_scattered() && Glow::from_triangles(both).is_scattered());
-        assert!(!Glow::default().is_scattered());
     }
 
     #[test]

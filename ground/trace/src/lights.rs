@@ -15,7 +15,6 @@ use crate::surface::Surfaces;
 use crate::tracer::{Hit, Ray, Tracer};
 use crate::vertex::Vertex;
 use chiaro_basis::math::Vec3;
-use chiaro_basis::random;
 use chiaro_image::colour::luminance;
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -44,9 +43,6 @@ pub struct LightNumbers {
 
 /// Lamps up to this number are all visited; of more, one is chosen.
 const ALL_LAMPS: usize = 4;
-
-/// Points of which one is chosen where what shines is scattered.
-const OFFERS: usize = 8;
 
 /// Unshadowed irradiance and the ray that must be free for it.
 struct Candidate {
@@ -106,8 +102,8 @@ impl Lights {
         numbers: &LightNumbers,
         shared: bool,
     ) -> [f32; 3] {
-        let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, shared);
-        arriving(tracer, glow.map(|c| c.times(weight)).into_iter())
+        let glow = self.glow_candidate(tracer, surfaces, at, numbers.glow, shared);
+        arriving(tracer, glow.into_iter())
     }
 
     /// Irradiance at a vertex by one direction of the sky, and what it would be if nothing hid it.
@@ -146,8 +142,7 @@ impl Lights {
     ) -> [f32; 3] {
         let mut chosen = Reservoir::new(numbers.choice);
         self.lamps.iter().filter_map(|l| from_lamp(l, at)).for_each(|c| chosen.offer(c));
-        let (glow, weight) = self.glow_choice(tracer, surfaces, at, numbers, false);
-        let glow = glow.map(|c| c.times(weight));
+        let glow = self.glow_candidate(tracer, surfaces, at, numbers.glow, false);
         let sky = self.sky_candidate(at, numbers.sky, false).filter(|_| sky);
         glow.into_iter().chain(sky).for_each(|c| chosen.offer(c));
         let weight = chosen.weight();
@@ -157,33 +152,7 @@ impl Lights {
         }
     }
 
-    /// A point of what shines, and the weight of its light. Where that is scattered and rays find it too, the point is
-    /// one of several, chosen by what each would give (resampled importance sampling, Talbot et al. 2005):
-    /// without, the lamps of a room are rarely found among those of others.
-    fn glow_choice(
-        &self,
-        tracer: &Tracer,
-        surfaces: &Surfaces,
-        at: &Vertex,
-        numbers: &LightNumbers,
-        shared: bool,
-    ) -> (Option<Candidate>, f32) {
-        if !shared || !self.glow.is_scattered() {
-            return (self.glow_candidate(tracer, surfaces, at, numbers.glow, shared), 1.0);
-        }
-        let mut chosen = Reservoir::new((numbers.choice + numbers.sky[0]).fract());
-        let [choice, u, v] = numbers.glow;
-        for i in 0..OFFERS {
-            let part = (choice + i as f32 / OFFERS as f32).fract();
-            let [du, dv] = random::r2(i as u64);
-            let point = [part, (u + du).fract(), (v + dv).fract()];
-            let offer = self.glow_candidate(tracer, surfaces, at, point, shared);
-            offer.into_iter().for_each(|c| chosen.offer(c));
-        }
-        let weight = chosen.weight() / OFFERS as f32;
-        (chosen.kept, weight)
-    }
-
+    /// A point of what shines, chosen by what it would give.
     fn glow_candidate(
         &self,
         tracer: &Tracer,
@@ -192,10 +161,7 @@ impl Lights {
         numbers: [f32; 3],
         shared: bool,
     ) -> Option<Candidate> {
-        let point = match shared {
-            true => self.glow.point(numbers),
-            false => self.glow.point_seen(at.position, at.normal, numbers),
-        }?;
+        let point = self.glow.point_seen(at.position, at.normal, numbers)?;
         let triangle = &self.glow.triangles()[point.triangle];
         let offset = point.position - at.position;
         let (towards, distance) = offset.normalize_and_length();
@@ -230,13 +196,13 @@ impl Lights {
         Some(Candidate { irradiance: s.radiance.map(|l| l * factor), ray })
     }
 
-    /// The weight of emission met by a ray of cosine density, `cosine` at its start.
-    pub fn ray_weight_to_surface(&self, hit: &Hit, direction: Vec3, cosine: f32) -> f32 {
+    /// The weight of emission met by a ray of cosine density from a vertex.
+    pub fn ray_weight_to_surface(&self, hit: &Hit, at: &Vertex, direction: Vec3) -> f32 {
         let Some(index) = self.glow.find(hit) else { return 1.0 };
-        let triangle = &self.glow.triangles()[index];
-        let outward = triangle.normal.dot(direction).abs();
-        let own = cosine * FRAC_1_PI;
-        let other = self.glow.density(index) * hit.t * hit.t / outward.max(1e-9);
+        let outward = self.glow.triangles()[index].normal.dot(direction).abs();
+        let own = at.normal.dot(direction) * FRAC_1_PI;
+        let density = self.glow.density_seen(index, (at.position, at.normal), (direction, hit.t));
+        let other = density * hit.t * hit.t / outward.max(1e-9);
         own / (own + other)
     }
 

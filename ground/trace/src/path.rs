@@ -301,7 +301,7 @@ impl PathTracer<'_> {
         let vertex = Vertex::of(self.tracer, self.surfaces, &hit, direction, footprint);
         let mut light = vertex.emission;
         if light != [0.0; 3] {
-            let weight = self.lights.ray_weight_to_surface(&hit, direction, cosine);
+            let weight = self.lights.ray_weight_to_surface(&hit, from, direction);
             light = light.map(|l| l * weight);
         }
         Some(Step { light, vertex: Some(vertex) })

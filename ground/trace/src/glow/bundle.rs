@@ -18,6 +18,8 @@ pub(super) const FEW: usize = 16;
 pub(super) struct Bundles {
     /// Indices of triangles, those of a leaf one after the other.
     order: Vec<u32>,
+    /// Where each triangle stands among them.
+    places: Vec<u32>,
     /// Parents before children, the first the root.
     nodes: Vec<Node>,
 }
@@ -31,37 +33,36 @@ struct Node {
     /// All normals lie within an angle of the axis.
     axis: Vec3,
     spread: f32,
-    kind: Kind,
-}
-
-#[derive(Clone, Debug)]
-enum Kind {
-    Leaf(Range<usize>),
-    /// The second child; the first follows its parent.
-    Inner(usize),
+    /// Its part of the order.
+    members: Range<usize>,
+    /// The second child, if it has any; the first follows its parent.
+    second: Option<usize>,
 }
 
 impl Bundles {
     pub(super) fn new(triangles: &[GlowTriangle]) -> Self {
         let count = u32::try_from(triangles.len()).unwrap_or(u32::MAX);
-        let mut bundles = Self { order: (0..count).collect(), nodes: Vec::new() };
+        let order: Vec<u32> = (0..count).collect();
+        let mut bundles = Self { places: order.clone(), order, nodes: Vec::new() };
         if count > 0 {
             bundles.add(triangles, 0..count as usize);
+        }
+        for (place, i) in (0..).zip(&bundles.order) {
+            bundles.places[*i as usize] = place;
         }
         bundles
     }
 
     fn add(&mut self, triangles: &[GlowTriangle], range: Range<usize>) {
         let at = self.nodes.len();
-        let kind = Kind::Leaf(range.clone());
-        self.nodes.push(Node::over(triangles, &self.order[range.clone()], kind));
+        self.nodes.push(Node::over(triangles, &self.order, range.clone()));
         if range.len() <= FEW {
             return;
         }
         let half = range.start + range.len() / 2;
         halve(triangles, &mut self.order[range.clone()]);
         self.add(triangles, range.start..half);
-        self.nodes[at].kind = Kind::Inner(self.nodes.len());
+        self.nodes[at].second = Some(self.nodes.len());
         self.add(triangles, half..range.end);
     }
 
@@ -80,31 +81,43 @@ impl Bundles {
         mut number: f32,
     ) -> Option<(&[u32], f32, f32)> {
         let (mut at, mut chosen) = (0, 1.0);
-        loop {
-            let second = match &self.nodes.get(at)?.kind {
-                Kind::Leaf(range) => return Some((&self.order[range.clone()], chosen, number)),
-                Kind::Inner(second) => *second,
-            };
-            let first = at + 1;
-            let [a, b] = [first, second].map(|k| self.nodes[k].at_most(from, normal));
-            let share = a / (a + b);
-            if !share.is_finite() {
-                return None;
-            }
+        while let Some(second) = self.nodes.get(at)?.second {
+            let share = self.share([at + 1, second], from, normal)?;
             if number < share {
-                (at, chosen, number) = (first, chosen * share, number / share);
+                (at, chosen, number) = (at + 1, chosen * share, number / share);
             } else {
                 (at, chosen) = (second, chosen * (1.0 - share));
                 number = (number - share) / (1.0 - share);
             }
             number = number.min(1.0 - f32::EPSILON);
         }
+        Some((&self.order[self.nodes[at].members.clone()], chosen, number))
+    }
+
+    /// Those that [`Bundles::choose`] would choose a triangle with, and the probability that it does.
+    pub(super) fn chance(&self, from: Vec3, normal: Vec3, triangle: usize) -> (&[u32], f32) {
+        let place = self.places[triangle] as usize;
+        let (mut at, mut chosen) = (0, 1.0);
+        while let Some(second) = self.nodes[at].second {
+            let share = self.share([at + 1, second], from, normal).unwrap_or(0.0);
+            let is_first = place < self.nodes[second].members.start;
+            chosen *= if is_first { share } else { 1.0 - share };
+            at = if is_first { at + 1 } else { second };
+        }
+        (&self.order[self.nodes[at].members.clone()], chosen)
+    }
+
+    /// The first one's of what two nodes may give; `None` if that is nothing.
+    fn share(&self, nodes: [usize; 2], from: Vec3, normal: Vec3) -> Option<f32> {
+        let [a, b] = nodes.map(|k| self.nodes[k].at_most(from, normal));
+        let share = a / (a + b);
+        share.is_finite().then_some(share)
     }
 }
 
 impl Node {
-    fn over(triangles: &[GlowTriangle], members: &[u32], kind: Kind) -> Self {
-        let all = || members.iter().map(|i| &triangles[*i as usize]);
+    fn over(triangles: &[GlowTriangle], order: &[u32], members: Range<usize>) -> Self {
+        let all = || order[members.clone()].iter().map(|i| &triangles[*i as usize]);
         let bounds = Bounds::of(all().flat_map(|t| t.corners));
         let weighed: Vec3 = all().map(|t| t.normal * t.area).sum();
         let axis = weighed.normalize_or(Vec3::Y);
@@ -118,7 +131,8 @@ impl Node {
             power: all().map(|t| t.power() as f32).sum(),
             axis,
             spread: all().map(angle).fold(0.0, f32::max),
-            kind,
+            members: members.clone(),
+            second: None,
         }
     }
 

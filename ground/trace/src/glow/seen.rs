@@ -24,18 +24,13 @@ impl Glow {
         normal: Vec3,
         [choice, u, v]: [f32; 3],
     ) -> Option<GlowPoint> {
-        let (few, chosen, choice) = self.bundles.choose(from, normal, choice)?;
+        let (few, share, choice) = self.bundles.choose(from, normal, choice)?;
         let mut sums = [0.0; FEW];
-        let mut sum = 0.0;
-        for (at, i) in sums.iter_mut().zip(few) {
-            let t = &self.triangles[*i as usize];
-            sum += luminance(t.radiance) * t.solid_angle(from, normal);
-            *at = sum;
-        }
+        let sum = self.seen_of(few, from, normal, &mut sums);
         let index = few[sums.iter().take(few.len()).position(|s| choice * sum < *s)?] as usize;
         let t = &self.triangles[index];
         let solid_angle = t.solid_angle(from, normal);
-        let chosen = chosen * luminance(t.radiance) * solid_angle / sum;
+        let chosen = share * luminance(t.radiance) * solid_angle / sum;
         if solid_angle < SMALL {
             let b = barycentric([u, v]);
             return Some(t.at(index, b, chosen / t.area));
@@ -48,6 +43,39 @@ impl Glow {
         let b = t.barycentric(from + direction * distance);
         let density = chosen / solid_angle * direction.dot(t.normal).abs() / (distance * distance);
         (density > 0.0 && density.is_finite()).then(|| t.at(index, b, density))
+    }
+
+    /// The density, per area, with which [`Glow::point_seen`] finds a point in a direction at a distance, on a
+    /// triangle.
+    pub(crate) fn density_seen(
+        &self,
+        triangle: usize,
+        (from, normal): (Vec3, Vec3),
+        (direction, distance): (Vec3, f32),
+    ) -> f32 {
+        let (few, share) = self.bundles.chance(from, normal, triangle);
+        let sum = self.seen_of(few, from, normal, &mut [0.0; FEW]);
+        let t = &self.triangles[triangle];
+        let solid_angle = t.solid_angle(from, normal);
+        if !(share > 0.0 && solid_angle > 0.0) {
+            return 0.0;
+        }
+        let per_angle = share * luminance(t.radiance) / sum;
+        match solid_angle < SMALL {
+            true => per_angle * solid_angle / t.area,
+            false => per_angle * direction.dot(t.normal).abs() / (distance * distance),
+        }
+    }
+
+    /// What some triangles are seen to give, radiance times solid angle; and in `sums` up to each.
+    fn seen_of(&self, few: &[u32], from: Vec3, normal: Vec3, sums: &mut [f32; FEW]) -> f32 {
+        let mut sum = 0.0;
+        for (at, i) in sums.iter_mut().zip(few) {
+            let t = &self.triangles[*i as usize];
+            sum += luminance(t.radiance) * t.solid_angle(from, normal);
+            *at = sum;
+        }
+        sum
     }
 }
 
@@ -218,6 +246,19 @@ mod tests {
             let e = std::f32::consts::PI * e;
             assert!((e / exact - 1.0).abs() < 0.02, "{from} {normal}: {e} {exact}");
             assert!(most < 12.0 * exact, "{from} {normal}: {most} {exact}");
+        }
+    }
+
+    #[test]
+    fn its_density_is_known_of_any_point() {
+        let glow = panels();
+        let (from, normal) = (vec3(0.3, -0.4, 0.2), vec3(0.1, 1.0, 0.0).normalize());
+        for i in 0..500 {
+            let numbers = [1, 2, 3].map(|k| random::unit(k, i));
+            let Some(point) = glow.point_seen(from, normal, numbers) else { continue };
+            let to = (point.position - from).normalize_and_length();
+            let density = glow.density_seen(point.triangle, (from, normal), to);
+            assert!((density / point.density - 1.0).abs() < 1e-3, "{density} {}", point.density);
         }
     }
 
