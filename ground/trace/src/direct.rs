@@ -41,9 +41,9 @@ const SKY_SHARE: usize = 8;
 const ALONE_SHARE: usize = 4;
 const ALONE: usize = 2;
 const SKY_ALONE: usize = 4;
-/// Differences between what arrives by the small and by the large window: up to the first the large one stands,
-/// beyond the second, beside a shadow's narrow edge, the small one.
-const EVEN: [f32; 2] = [0.06, 0.14];
+/// Differences between what arrives by the small and by the large window, over what chance makes of them: up to the
+/// first the large one stands, beyond the second, beside a shadow's narrow edge, the small one.
+const EVEN: [f32; 2] = [0.7, 1.6];
 /// The least cosine between normals of a window: of a flat one, and of one that is merely bent.
 const FLAT: f32 = 0.97;
 const BENT: f32 = 0.75;
@@ -120,6 +120,8 @@ struct Soft {
     glow: [f32; 3],
     /// The same if nothing stood between.
     open: [f32; 3],
+    /// The sum of squares of what each lamp would give, luminance.
+    squares: f32,
     suns: [f32; 3],
 }
 
@@ -135,6 +137,7 @@ impl Soft {
             let Some((e, ray)) = lamp_at(&lamp, at) else { continue };
             let e = e.map(|e| share * e);
             soft.open = plus(soft.open, e);
+            soft.squares += luminance(e).powi(2);
             if glow.is_free(tracer, &ray, &lamp) {
                 soft.glow = plus(soft.glow, e);
             }
@@ -157,9 +160,8 @@ impl Soft {
     /// By the lamps of a small window; where those of the large one say much the same, by these.
     fn with(self, large: Option<Self>) -> Self {
         let Some(large) = large else { return self };
-        let (own, all) = (self.arriving(), large.arriving());
-        let share = 1.0 - ((own - all).abs() - EVEN[0]) / (EVEN[1] - EVEN[0]);
-        let share = share.clamp(0.0, 1.0);
+        let differ = (self.arriving() - large.arriving()).abs() / self.chance();
+        let share = (1.0 - (differ - EVEN[0]) / (EVEN[1] - EVEN[0])).clamp(0.0, 1.0);
         let mix =
             |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|i| (1.0 - share) * a[i] + share * b[i]);
         Self { glow: mix(self.glow, large.glow), open: mix(self.open, large.open), ..self }
@@ -171,10 +173,18 @@ impl Soft {
         if open > 0.0 { luminance(self.glow) / open } else { 1.0 }
     }
 
+    /// How far that share may differ by chance: one over the root of how many lamps of equal strength do as much, in a
+    /// small window.
+    fn chance(&self) -> f32 {
+        let open = luminance(self.open).max(f32::MIN_POSITIVE);
+        (self.squares / DEAL as f32).sqrt() / open
+    }
+
     fn mean(pixels: &[Pixel], of: impl Fn(Pixel) -> Self) -> Self {
         Self {
             glow: mean(pixels, |at| of(at).glow),
             open: mean(pixels, |at| of(at).open),
+            squares: pixels.iter().map(|at| of(*at).squares).sum::<f32>() / pixels.len() as f32,
             suns: mean(pixels, |at| of(at).suns),
         }
     }
