@@ -62,7 +62,7 @@ mod tests {
         let projection = Projection::Orthographic { half_height: 50.0 };
         let pose = Pose::look_at(Vec3::Z * 10.0, Vec3::ZERO, Vec3::Y, projection);
         let view = View::new(pose, (100, 100));
-        let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        let plain = Segment::of([0; 2]);
         // One edge of 80 pixels, and as long a line of short ones.
         let path = |edges: u32| {
             let point = |k: u32| {

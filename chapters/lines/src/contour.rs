@@ -2,15 +2,16 @@
 //! convexity sign.
 //!
 //! 1. *Convexity*: on a crossed face, take grad g . (C - p), g linear on the face. Where it is
-//!    negative the silhouette lies on the concave side of a fold and is never seen. A crease's strip
-//!    takes the sign of the dihedral angle instead.
+//!    negative the silhouette lies on the concave side of a fold, and of a solid that is never seen
+//!    ([`Solids`]). A crease's strip takes the sign of the dihedral angle instead.
 //! 2. *Push*: visibility is asked from p + h n, h = 0.3 max |(p_j - p_i) . n_i| over the one-rings of
-//!    the face's vertices: half of the faces that a silhouette crosses turn away from the camera,
-//!    and would hide it.
+//!    the face's vertices (p - h n where the fold is seen from the back): half of the faces that a
+//!    silhouette crosses turn away from the camera, and would hide it.
 
 use crate::path::{Kind, Path, Point, Segment};
 use crate::posed::Posed;
 use crate::slice::{Chain, Crossing, Slice};
+use crate::solid::Solids;
 use crate::surface::{Crease, NONE, Ring, Surface, previous};
 use crate::view::View;
 use crate::zeroset::ZeroSet;
@@ -38,9 +39,12 @@ pub struct Scenery<'a> {
 impl Scenery<'_> {
     /// The paths of the silhouettes, g given at the vertices.
     pub fn silhouettes(&self, slice: &Slice, g: &[f64]) -> Vec<Path> {
-        let mut sags = Sags::new(self);
+        let (mut sags, solids) = (Sags::new(self), Solids::of(self));
         let chains = slice.chains.iter().enumerate();
-        chains.map(|(i, chain)| self.silhouette(i as u32, chain, slice, g, &mut sags)).collect()
+        let path = |(i, chain): (usize, &Chain)| {
+            self.silhouette((i as u32, chain), slice, g, &mut sags, &solids)
+        };
+        chains.map(path).collect()
     }
 
     /// The paths of another zero set; what is not kept of it is never visible.
@@ -54,10 +58,8 @@ impl Scenery<'_> {
                 all.map(|(k, c)| self.crossing(c, k as f64, &mut sags)).collect();
             let start = chain.start as usize;
             let segment = |(k, c): (usize, &Crossing)| Segment {
-                own: [c.face, NONE],
                 buried: !set.keep[start + k],
-                outside: false,
-                shared: false,
+                ..Segment::of([c.face, NONE])
             };
             let segments: Vec<Segment> = crossings.iter().enumerate().map(segment).collect();
             Path::new(set.kind, i as u32, chain.closed, &points, &segments, self.view, self.margin)
@@ -67,11 +69,11 @@ impl Scenery<'_> {
 
     fn silhouette(
         &self,
-        index: u32,
-        chain: &Chain,
+        (index, chain): (u32, &Chain),
         slice: &Slice,
         g: &[f64],
         sags: &mut Sags<'_>,
+        solids: &Solids,
     ) -> Path {
         let crossings = chain.of(slice);
         let mut points: Vec<Point> = Vec::with_capacity(crossings.len() + 1);
@@ -87,10 +89,11 @@ impl Scenery<'_> {
                     }
                     continue;
                 }
-                segments.push(self.segment(crossings[k - 1].face, g, last.world));
+                segments.push(self.segment(crossings[k - 1].face, g, last.world, solids));
             }
             points.push(point);
         }
+        push_back(&mut points, &segments, chain.closed);
         Path::new(Kind::Silhouette, index, chain.closed, &points, &segments, self.view, self.margin)
     }
 
@@ -103,10 +106,23 @@ impl Scenery<'_> {
         Point { world, next: self.next.map(mix), pushed, on_chain }
     }
 
-    fn segment(&self, face: u32, g: &[f64], at: DVec3) -> Segment {
-        if self.surface.is_strip(face as usize) {
-            return self.strip_segment(face);
-        }
+    fn segment(&self, face: u32, g: &[f64], at: DVec3, solids: &Solids) -> Segment {
+        let (own, convex) = match self.surface.is_strip(face as usize) {
+            true => match self.surface.crease_of(face as usize) {
+                Some(Crease { left, right, .. }) => {
+                    ([left / 3, right / 3], self.is_convex(left, right))
+                }
+                None => return Segment { buried: true, ..Segment::of([NONE; 2]) },
+            },
+            false => ([face, NONE], self.bends_away(face, g, at)),
+        };
+        let two_sided = self.surface.sources[own[0] as usize].two_sided;
+        let buried = solids.buries(self.surface.pieces[own[0] as usize], convex, two_sided);
+        Segment { buried, back: !convex && !buried, ..Segment::of(own) }
+    }
+
+    /// Whether g rises towards the eye on a face.
+    fn bends_away(&self, face: u32, g: &[f64], at: DVec3) -> bool {
         let corners = self.surface.faces[face as usize];
         let [a, b, c] = corners.map(|v| self.posed.positions[v as usize]);
         let values = corners.map(|v| g[v as usize]);
@@ -115,19 +131,7 @@ impl Scenery<'_> {
         let gradient = normal.cross(c - b) * values[0]
             + normal.cross(a - c) * values[1]
             + normal.cross(b - a) * values[2];
-        let buried = gradient.dot(self.view.to_eye(at)) < 0.0;
-        Segment { own: [face, NONE], buried, outside: false, shared: false }
-    }
-
-    /// A segment along a crease: seen on the outside of a convex edge alone.
-    fn strip_segment(&self, face: u32) -> Segment {
-        match self.surface.crease_of(face as usize) {
-            Some(Crease { left, right, .. }) => {
-                let buried = !self.is_convex(left, right);
-                Segment { own: [left / 3, right / 3], buried, outside: false, shared: false }
-            }
-            None => Segment { own: [NONE; 2], buried: true, outside: false, shared: false },
-        }
+        gradient.dot(self.view.to_eye(at)) >= 0.0
     }
 
     /// Whether the surface bends away from the viewer over the edge between two half-edges.
@@ -135,6 +139,22 @@ impl Scenery<'_> {
         let normal = self.posed.face_normals[left as usize / 3];
         let apex = self.posed.positions[self.surface.from(previous(right)) as usize];
         (apex - self.posed.positions[self.surface.from(left) as usize]).dot(normal) < 0.0
+    }
+}
+
+/// Turns the push of points between segments beside which the surface's back is seen.
+fn push_back(points: &mut [Point], segments: &[Segment], closed: bool) {
+    let count = segments.len();
+    let before = |k: usize| match k {
+        0 if closed => segments.last(),
+        0 => None,
+        k => segments.get(k - 1),
+    };
+    let after = |k: usize| segments.get(if closed && k == count { 0 } else { k });
+    for (k, point) in points.iter_mut().enumerate() {
+        if [before(k), after(k)].into_iter().flatten().all(|s| s.back) {
+            point.pushed = 2.0 * point.world - point.pushed;
+        }
     }
 }
 

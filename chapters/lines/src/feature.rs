@@ -193,7 +193,7 @@ fn feature_path(chain: &FeatureChain, index: u32, scenery: &Scenery<'_>, g: &[f6
         let own = [half / 3, face_across(surface, half)];
         for ([t0, t1], [buried, shared]) in parts(half, marked != half, scenery, g) {
             if t0 < t1 {
-                segments.push(Segment { own, buried, outside: false, shared });
+                segments.push(Segment { buried, shared, ..Segment::of(own) });
                 points.push(if t1 >= 1.0 { to } else { Point::mix(&from, &to, t1) });
             }
         }
@@ -210,7 +210,7 @@ fn face_across(surface: &Surface, half: u32) -> u32 {
 }
 
 /// The parts of an edge, as shares of it, whether each is never visible, and whether a silhouette
-/// runs there: where the surface is opened, where both sides show their backs, or one.
+/// runs there: where both sides show their backs, or, where the surface is opened, one.
 fn parts(
     half: u32,
     backwards: bool,
@@ -218,12 +218,15 @@ fn parts(
     g: &[f64],
 ) -> Vec<([f64; 2], [bool; 2])> {
     let surface = scenery.surface;
-    let Some(Crease { right, .. }) = surface.crease_at(half) else {
-        return vec![([0.0, 1.0], [false; 2])];
-    };
+    let source = &surface.sources[half as usize / 3];
     let left = front_interval([surface.from(half), surface.to(half)], g);
-    let right = front_interval([surface.to(right), surface.from(right)], g);
-    let two_sided = surface.sources[half as usize / 3].two_sided;
+    let right = match surface.crease_at(half) {
+        Some(Crease { right, .. }) => front_interval([surface.to(right), surface.from(right)], g),
+        // Turned faces are shown from their backs.
+        None if source.two_sided || source.turned => return vec![([0.0, 1.0], [false; 2])],
+        None => left,
+    };
+    let two_sided = source.two_sided;
     let mut cuts = [0.0, left[0], left[1], right[0], right[1], 1.0].map(|t: f64| t.clamp(0.0, 1.0));
     cuts.sort_by(f64::total_cmp);
     let covers = |i: [f64; 2], t: f64| t > i[0] && t < i[1];

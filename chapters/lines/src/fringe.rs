@@ -282,7 +282,7 @@ impl Fringe {
             let normal = scenery.posed.face_normals[*face as usize];
             let front = normal.dot(scenery.view.to_eye(points[k].world)) > 0.0;
             let buried = !source.two_sided && front == source.turned;
-            Segment { own: [*face, NONE], buried, outside: false, shared: false }
+            Segment { buried, ..Segment::of([*face, NONE]) }
         };
         let segments: Vec<Segment> = self.faces.iter().enumerate().map(segment).collect();
         let (view, margin) = (scenery.view, scenery.margin);

@@ -126,7 +126,7 @@ mod tests {
             Point { world, next: None, pushed: world, on_chain: k as f64 }
         };
         let points: Vec<Point> = corners.iter().enumerate().map(point).collect();
-        let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        let plain = Segment::of([0; 2]);
         let path = Path::new(Kind::Silhouette, 3, true, &points, &[plain; 4], &view, 0.0);
         let shown =
             |start: f64, end: f64| Shown { path: 0, run: Run { start, end }, is_end: [true; 2] };

@@ -307,7 +307,7 @@ fn path(
     let order = |k: usize, count: usize| if backwards { count - 1 - k } else { k };
     let points: Vec<Point> =
         (0..ends.len()).map(|k| point((ends[order(k, ends.len())], k))).collect();
-    let segment = |own: [u32; 2]| Segment { own, buried: false, outside: false, shared: false };
+    let segment = Segment::of;
     let segments: Vec<Segment> =
         (0..faces.len()).map(|k| segment(faces[order(k, faces.len())])).collect();
     let (view, margin) = (scenery.view, scenery.margin);

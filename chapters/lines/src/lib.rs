@@ -71,6 +71,7 @@ mod quality;
 mod refine;
 mod sight;
 mod slice;
+mod solid;
 mod strands;
 mod stroke;
 pub mod surface;

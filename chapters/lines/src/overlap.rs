@@ -95,7 +95,7 @@ mod tests {
             Point { world, next: None, pushed: world, on_chain: 0.0 }
         };
         let points: Vec<Point> = points.iter().map(point).collect();
-        let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        let plain = Segment::of([0; 2]);
         let segments = vec![plain; points.len() - 1];
         let path = Path::new(Kind::Crease, 0, false, &points, &segments, &view, 0.0);
         let run = Run { start: 0.0, end: segments.len() as f64 };

@@ -100,6 +100,15 @@ pub struct Segment {
     pub outside: bool,
     /// A silhouette runs here too: it is that one that is seen or hidden.
     pub shared: bool,
+    /// It is the surface's back that is seen beside it, not its front.
+    pub back: bool,
+}
+
+impl Segment {
+    /// A segment on some faces of which nothing else is known.
+    pub fn of(own: [u32; 2]) -> Self {
+        Self { own, buried: false, outside: false, shared: false, back: false }
+    }
 }
 
 /// A line of one frame.
@@ -330,7 +339,7 @@ mod tests {
         let point = |world| Point { world, next: None, pushed: world, on_chain: 0.0 };
         // From just before the eye to far away.
         let ends = [point(DVec3::new(-0.4, 0.0, 1.5)), point(DVec3::new(2.0, 0.5, -9.0))];
-        let segment = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        let segment = Segment::of([0; 2]);
         for projection in
             [Projection::Perspective { fov_y: 1.2 }, Projection::Orthographic { half_height: 3.0 }]
         {

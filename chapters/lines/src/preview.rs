@@ -62,7 +62,8 @@ fn labels(path: &Path, depth: &Depth, view: &View) -> Vec<Label> {
     let mut labels = Vec::new();
     let mut start = 0;
     for end in 1..=segments.len() {
-        if end < segments.len() && segments[end].buried == segments[start].buried {
+        let side = |k: usize| (segments[k].buried, segments[k].back);
+        if end < segments.len() && side(end) == side(start) {
             continue;
         }
         let (from, to) = (start as f64, end as f64);

@@ -265,7 +265,8 @@ impl Looker<'_> {
     fn labels(&self, mut cuts: Vec<Place>, counts: &mut Visible) -> Vec<Label> {
         let segments = &self.path.segments;
         cuts.extend([0.0, segments.len() as f64]);
-        let changes = (1..segments.len()).filter(|&k| segments[k].buried != segments[k - 1].buried);
+        let side = |k: usize| (segments[k].buried, segments[k].back);
+        let changes = (1..segments.len()).filter(|&k| side(k) != side(k - 1));
         cuts.extend(changes.map(|k| k as f64));
         let changes = (1..self.buried.len()).filter(|&k| self.buried[k] != self.buried[k - 1]);
         cuts.extend(changes.map(|k| k as f64));
@@ -482,7 +483,7 @@ mod tests {
                 let world = DVec3::new(x, y, 0.0);
                 Point { world, next: None, pushed: world, on_chain: 0.0 }
             };
-            let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+            let plain = Segment::of([0; 2]);
             Path::new(Kind::Silhouette, 0, false, &[point(a), point(b)], &[plain], &view, 8.0)
         };
         // An edge, and the ends of two tiles before it; a corner that leaves it.

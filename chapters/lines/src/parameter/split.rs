@@ -142,7 +142,7 @@ mod tests {
             Point { world, next: None, pushed: world, on_chain: f64::from(k) }
         };
         let points: Vec<Point> = (0..=16).map(point).collect();
-        let plain = Segment { own: [0; 2], buried: false, outside: false, shared: false };
+        let plain = Segment::of([0; 2]);
         let path = Path::new(Kind::Silhouette, 0, true, &points, &[plain; 16], &view, 0.0);
         let stroke = Stroke::of(&path, Run { start: 0.0, end: 16.0 }, 3.0, &view, None);
         let total = stroke.total();
