@@ -16,6 +16,7 @@ use crate::stroke::{Owner, Stroke};
 use crate::surface::Surface;
 use crate::view::View;
 use crate::visibility::{Limits, Run, Visible, hidden, visible};
+use crate::whole::whole;
 use crate::zeroset::{ZeroSet, zero_sets};
 use chiaro_basis::math::DVec3;
 use std::collections::BTreeMap;
@@ -53,6 +54,8 @@ pub struct Lines {
     pub further: Vec<Further>,
     /// All lines of all kinds, hidden ones too.
     pub paths: Vec<Path>,
+    /// Whether each of them goes round all of a small object.
+    pub whole: Vec<bool>,
     /// What is seen of them.
     pub visible: Visible,
     /// The visible runs as strokes.
@@ -105,7 +108,9 @@ impl Lines {
         let drawn = |kind: Kind| is_drawn(kind, knobs);
         let visible = visible(&paths, &sight, view, &limits, &drawn);
         let (strokes, hidden, gaps, parts) = strokes_of(&paths, &visible, stage, moment);
-        Self { g, slice, further, paths, visible, strokes, hidden, gaps, parts }
+        let place = (moment.posed.positions.as_slice(), view);
+        let whole = whole(&paths, surface, place, f64::from(knobs.prune));
+        Self { g, slice, further, paths, whole, visible, strokes, hidden, gaps, parts }
     }
 }
 

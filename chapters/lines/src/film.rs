@@ -241,7 +241,8 @@ struct Tracking<'a> {
     follower: Follower<'a>,
     next_label: u32,
     turned: f64,
-    /// The greatest picture length of each line: silhouettes by label, edges by chain.
+    /// The greatest picture length of each line: silhouettes by label, edges by chain; endless for what goes round a
+    /// small object.
     lengths: BTreeMap<(Kind, u32), f64>,
 }
 
@@ -304,10 +305,10 @@ impl<'a> Tracking<'a> {
             self.locate(&interval, &ready.posed.positions, &ready.view);
             self.film.frames.last_mut().expect("an interval ends a frame").interval = interval;
         }
-        for path in &lines.paths {
+        for (path, whole) in lines.paths.iter().zip(&lines.whole) {
             if let Some(line) = lasting(path.kind, path.chain, &labels) {
                 let longest = self.lengths.entry((path.kind, line)).or_insert(0.0);
-                *longest = longest.max(spread(path));
+                *longest = longest.max(if *whole { f64::INFINITY } else { spread(path) });
             }
         }
         let stretches = [lines.visible.stretches, lines.visible.split];
@@ -435,7 +436,7 @@ impl<'a> Tracking<'a> {
         }
         name_hidden(&mut film);
         prune(&mut film, &self.lengths, f64::from(self.knobs.prune));
-        drop_brief(&mut film, BRIEF * f64::from(self.knobs.prune));
+        drop_brief(&mut film, &self.lengths, BRIEF * f64::from(self.knobs.prune));
         for event in &mut film.events {
             event.strokes = taking_part(event, &film.frames);
         }
@@ -494,15 +495,17 @@ fn prune(film: &mut Film, lengths: &BTreeMap<(Kind, u32), f64>, longest: f64) {
 }
 
 /// Drops the ids of which no frame shows as much as `least` pixels: specks at the ends of lines. What is left to
-/// be seen of one long edge is none.
-fn drop_brief(film: &mut Film, least: f64) {
+/// be seen of one long edge is none, nor is what goes round a small object.
+fn drop_brief(film: &mut Film, lengths: &BTreeMap<(Kind, u32), f64>, least: f64) {
     let mut most: BTreeMap<u32, f64> = BTreeMap::new();
     for frame in &film.frames {
         let mut here: BTreeMap<u32, f64> = BTreeMap::new();
         for s in &frame.strokes {
             let [first, last] = [s.samples[0], s.samples[s.samples.len() - 1]].map(|p| p.on_chain);
             let is_bit = !s.closed && first.floor() == (last - 1e-9).floor();
-            *here.entry(s.id).or_insert(0.0) += if is_bit { least } else { s.total() };
+            let line = lasting(s.kind, s.chain, &frame.labels);
+            let is_whole = line.is_some_and(|l| lengths.get(&(s.kind, l)) == Some(&f64::INFINITY));
+            *here.entry(s.id).or_insert(0.0) += if is_bit || is_whole { least } else { s.total() };
         }
         for (id, length) in here {
             let longest = most.entry(id).or_insert(0.0);

@@ -79,6 +79,7 @@ pub mod track;
 mod view;
 mod visibility;
 mod vote;
+mod whole;
 mod zeroset;
 
 pub use extract::{Lines, Moment, Stage};

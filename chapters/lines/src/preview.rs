@@ -52,7 +52,8 @@ impl Lines {
         let visible = Visible { lines, runs, beside, ..Visible::default() };
         let further = sets.into_iter().map(ZeroSet::further).collect();
         let (strokes, hidden, gaps, parts) = strokes_of(&paths, &visible, stage, moment);
-        Self { g, slice, further, paths, visible, strokes, hidden, gaps, parts }
+        let whole = vec![false; paths.len()];
+        Self { g, slice, further, paths, whole, visible, strokes, hidden, gaps, parts }
     }
 }
 

@@ -264,3 +264,17 @@ fn threads_change_nothing() {
     };
     assert_eq!(on(1), on(3));
 }
+
+#[test]
+fn what_is_a_few_pixels_large_keeps_an_outline() {
+    for (positions, triangles) in [ball(8), cube()] {
+        let hard = positions.len() == 8;
+        let small = positions.iter().map(|p| *p * 0.03).collect();
+        let film = turning(&scene(small, triangles, hard), 2, 5.0);
+        for strokes in film.frames.iter().map(|f| &f.strokes) {
+            let outline = strokes.iter().filter(|s| s.kind == Kind::Silhouette);
+            let total: f64 = outline.map(chiaro_lines::Stroke::total).sum();
+            assert!((6.0..24.0).contains(&total), "{total}");
+        }
+    }
+}
