@@ -11,6 +11,7 @@ use crate::record::Output;
 use crate::write;
 use chiaro_basis::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Where frames go.
@@ -61,6 +62,20 @@ impl Target {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 path.with_file_name(numbered(&name, frame))
             }
+        }
+    }
+
+    /// An error if some of the frames would be written over a file that is read for them.
+    pub fn spares(&self, frames: &[u32], read: impl IntoIterator<Item = PathBuf>) -> Result<()> {
+        let same = |path: &Path| path.canonicalize().ok();
+        let read: BTreeSet<PathBuf> = read.into_iter().filter_map(|p| same(&p)).collect();
+        let written = frames.iter().map(|f| self.file(*f));
+        match written.into_iter().find(|p| same(p).is_some_and(|p| read.contains(&p))) {
+            Some(path) => {
+                let spared = "another file: this one is read, and would be written over";
+                Err(Error::setting("-o", path.display(), spared))
+            }
+            None => Ok(()),
         }
     }
 
@@ -148,6 +163,18 @@ mod tests {
         assert_eq!(target.extension(), "png");
         assert!(Target::parse(Path::new("a.png"), 2).is_err());
         assert!(matches!(Target::parse(Path::new("a.apng"), 2).unwrap(), Target::Animation(_)));
+    }
+
+    #[test]
+    fn what_is_read_is_not_written_over() {
+        let dir = tempfile::tempdir().unwrap();
+        let read = dir.path().join("0003.png");
+        std::fs::write(&read, b"picture").unwrap();
+        let target = Target::parse(&dir.path().join("./####.png"), 4).unwrap();
+        let error = target.spares(&[1, 2, 3], [read.clone()]).unwrap_err().to_string();
+        assert!(error.contains("0003.png") && error.contains("written over"), "{error}");
+        assert!(target.spares(&[1, 2], [read]).is_ok());
+        assert!(target.spares(&[1, 2, 3], [dir.path().join("other.png")]).is_ok());
     }
 
     #[test]

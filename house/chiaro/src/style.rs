@@ -242,11 +242,19 @@ fn set_all(knobs: &mut BinaryKnobs, file: &str, table: &toml::Table) -> Result<(
             toml::Value::String(s) => s.clone(),
             other => other.to_string(),
         };
-        knobs
-            .set(key, &text)
-            .map_err(|e| Error::input(file, format!("[binary] {key}"), e.to_string()))?;
+        knobs.set(key, &text).map_err(|e| in_file(file, "[binary]", key, e))?;
     }
     Ok(())
+}
+
+/// What is wrong with a knob in a table of a file.
+pub(crate) fn in_file(file: &str, table: &str, key: &str, error: Error) -> Error {
+    match error {
+        Error::Setting { got, range, .. } => {
+            Error::input(file, format!("{table} {key} = {got}"), format!("expected {range}"))
+        }
+        other => Error::input(file, format!("{table} {key}"), other.to_string()),
+    }
 }
 
 /// Sets one knob from `key=value`, as `--set` has it.

@@ -126,6 +126,7 @@ impl Film<'_> {
     /// Shades and writes every frame that is not there yet.
     pub fn run(&self, run: &Run) -> Result<Record> {
         let encoding = Encoding::of(&self.target)?;
+        self.target.spares(&self.sequence.frames, self.sequence.files.values().cloned())?;
         let mut record = Record::new("binary");
         let knobs = &self.look.knobs.resolved();
         let survey = self.survey(knobs, run)?;

@@ -63,6 +63,8 @@ fn ending(path: &Path) -> String {
 /// A picture with its layers.
 pub struct Given {
     name: String,
+    /// All files that were read.
+    files: Vec<PathBuf>,
     hash: String,
     maps: Map<String, Value>,
     layers: Layers,
@@ -78,6 +80,7 @@ impl Given {
         let bytes = disk::read(Path::new(name))?;
         let mut given = Self {
             name: name.into(),
+            files: vec![name.into()],
             hash: write::sha256(&bytes),
             maps: Map::new(),
             layers: run.stage("load", 1, || read_layers(name, &bytes))?,
@@ -121,6 +124,7 @@ impl Given {
     fn map(&mut self, option: &str, path: &Path) -> Result<Plane<[f32; 4]>> {
         let name = path.display().to_string();
         let bytes = disk::read(path)?;
+        self.files.push(path.into());
         let picture = if Format::of(&bytes) == Some(Format::Exr) {
             read_colour(&bytes, &name, &Limits::default())?
         } else {
@@ -218,6 +222,7 @@ impl Job<'_> {
     /// Shades and writes the picture.
     pub fn run(&self, run: &Run) -> Result<Record> {
         let encoding = Encoding::of(&self.target)?;
+        self.target.spares(&[1], self.given.files.iter().cloned())?;
         let mut record = Record::new("binary");
         let (picture, exposure) = self.picture(run)?;
         let settings = self.settings(&exposure, encoding);

@@ -136,7 +136,8 @@ fn blender(with_position: bool) -> (Given, chiaro_binary::View) {
     push("CryptoObject00.r", b.object.map(|o| f32::from_bits(*o)));
     let bytes = write_exr(&ExrImage { size: b.size(), layers, ..ExrImage::default() }).unwrap();
     let layers = read_layers("render.exr", &bytes).unwrap();
-    (Given { name: "render.exr".into(), hash: String::new(), maps: Map::new(), layers }, scene)
+    let (name, files) = ("render.exr".into(), Vec::new());
+    (Given { name, files, hash: String::new(), maps: Map::new(), layers }, scene)
 }
 
 #[test]

@@ -36,6 +36,7 @@ use chiaro_scene::Frame;
 use ready::Names;
 use serde_json::{Map, Value};
 use std::cell::Cell;
+use std::path::PathBuf;
 pub use style::LineStyle;
 
 /// Frames on which the default view is framed, at most.
@@ -207,6 +208,8 @@ impl Job<'_> {
             return Err(Error::input(&self.project.name, "", why));
         }
         let mut record = Record::new("lines");
+        let numbers = self.project.frames();
+        self.target.spares(&numbers, self.read(&numbers))?;
         let camera = camera(self.project, run)?;
         let regions = self.regions(encoding, run)?;
         let light = self.light(encoding, run)?;
@@ -217,7 +220,7 @@ impl Job<'_> {
             frame_recipe("lines", settings, number)
         };
         let mut frames = Frames::new(&self.target, &recipe);
-        let missing = frames.missing(self.project.frames());
+        let missing = frames.missing(numbers);
         let knobs = &self.look.lines.knobs;
         if self.check {
             let errors = with_reel(self.project, &camera, |reel| check(reel, knobs, run))?;
@@ -225,6 +228,7 @@ impl Job<'_> {
         }
         if !missing.is_empty() || self.measure {
             let shot = Shot::track(self.project, camera, knobs, run)?;
+            self.look.lines.unmet(&shot.names).into_iter().for_each(|note| run.warn(note));
             if shot.is_empty() {
                 run.warn("no line of the scene is in the picture: --from, --look-at and --camera turn the eye");
             }
@@ -253,6 +257,16 @@ impl Job<'_> {
         frames.finish(self.project.options.fps, &mut record, run)?;
         record.settings = settings;
         Ok(record)
+    }
+
+    /// The files that are read for some frames.
+    fn read(&self, frames: &[u32]) -> impl Iterator<Item = PathBuf> + '_ {
+        let beneath = match &self.look.over {
+            Over::Pictures(pictures) => frames.iter().map(|f| pictures.file(*f)).collect(),
+            _ => Vec::new(),
+        };
+        let style = [PathBuf::from(&self.look.style.name)];
+        self.look.lines.picture_files().chain(beneath).chain(style)
     }
 
     /// The binary shading beneath, where there is some and the file shows it.

@@ -5,8 +5,10 @@
 //! a line type or for hidden lines, and any number of `[[rule]]` for lines of certain objects,
 //! materials or types; later ones win.
 
+use super::ready::Names;
 use crate::disk;
 use crate::pattern::matches;
+use crate::style::in_file;
 use crate::write;
 use chiaro_basis::{Error, Knobs, Result, nearest};
 use chiaro_image::codec::{self, Limits};
@@ -16,7 +18,7 @@ use chiaro_lines::{Hidden, Kind, LinesKnobs};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a style file says at its end to whoever edits it.
@@ -41,10 +43,11 @@ pub struct LineStyle {
     textures: BTreeMap<String, Arc<Loaded>>,
 }
 
-/// A brush's picture, and the hash of its file.
+/// A brush's picture, its file and the hash of that.
 #[derive(Clone, Debug, PartialEq)]
 struct Loaded {
     texture: Texture,
+    path: PathBuf,
     sha256: String,
 }
 
@@ -71,7 +74,7 @@ impl LineStyle {
     /// Reads the table `[lines]`.
     pub(crate) fn read_knobs(&mut self, file: &str, table: &toml::Table) -> Result<()> {
         for (key, value) in table {
-            let fail = |e: Error| Error::input(file, format!("[lines] {key}"), e.to_string());
+            let fail = |e: Error| in_file(file, "[lines]", key, e);
             self.knobs.set(key, &text_of(value)).map_err(fail)?;
         }
         Ok(())
@@ -148,14 +151,37 @@ impl LineStyle {
     fn load_texture(&mut self, path: &Path, name: String) -> Result<()> {
         let bytes = disk::read(path)?;
         let picture = codec::read_picture(&bytes, &path.display().to_string(), &Limits::default())?;
-        let loaded = Loaded { texture: Texture::of(&picture), sha256: write::sha256(&bytes) };
+        let (texture, path, sha256) = (Texture::of(&picture), path.into(), write::sha256(&bytes));
+        let loaded = Loaded { texture, path, sha256 };
         self.textures.insert(name, Arc::new(loaded));
         Ok(())
     }
 
+    /// The files of the pictures that brushes have.
+    pub(crate) fn picture_files(&self) -> impl Iterator<Item = PathBuf> + '_ {
+        self.textures.values().map(|t| t.path.clone())
+    }
+
+    /// What rules ask for that no object and no material is called, in sentences.
+    pub(crate) fn unmet(&self, names: &Names) -> Vec<String> {
+        let rules = self.rules.iter().flat_map(|r| {
+            let of_object = r.object.iter().map(|p| ("object", p, &names.objects));
+            of_object.chain(r.material.iter().map(|p| ("material", p, &names.materials)))
+        });
+        let unmet = rules.filter(|(_, pattern, known)| !known.iter().any(|n| matches(pattern, n)));
+        let sentence = |(what, pattern, known): (&str, &String, &Vec<String>)| {
+            let named = known.iter().map(String::as_str).filter(|n| !n.is_empty());
+            let near = nearest(pattern, named).map(|n| format!("; did you mean {n}?"));
+            let near = near.unwrap_or_default();
+            format!("[[rule]] {what} = {pattern}: no {what} of the scene is called so{near}")
+        };
+        unmet.map(sentence).collect()
+    }
+
     /// Gives brushes a picture of a stroke under a name.
     pub(crate) fn add_texture(&mut self, name: &str, texture: Texture) {
-        self.textures.insert(name.into(), Arc::new(Loaded { texture, sha256: String::new() }));
+        let loaded = Loaded { texture, path: PathBuf::new(), sha256: String::new() };
+        self.textures.insert(name.into(), Arc::new(loaded));
     }
 
     /// Sets a knob of lines or of their brush, or, as in `crease.width`, of that for a line type or
@@ -316,7 +342,7 @@ fn set_brush(
     place: &str,
     (key, value): (&String, &toml::Value),
 ) -> Result<()> {
-    let fail = |e: Error| Error::input(file, format!("{place} {key}"), e.to_string());
+    let fail = |e: Error| in_file(file, place, key, e);
     set_checked(brush, key, &text_of(value)).map_err(fail)
 }
 
@@ -415,6 +441,33 @@ mod tests {
         ["colour=id", "colour=navy", "hidden.colour=#22336680"]
             .into_iter()
             .for_each(|text| good.set(text).unwrap());
+    }
+
+    #[test]
+    fn a_wrong_value_in_a_file_is_told_once_and_in_its_place() {
+        let error = style("[stroke.crease]\ncap = \"butt\"").unwrap_err().to_string();
+        assert!(
+            error.ends_with("[stroke.crease] cap = butt: expected one of round, flat"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn rules_for_nothing_that_is_there_are_told() {
+        let names = Names {
+            objects: vec!["Hat".into(), "Head".into()],
+            materials: vec!["Felt".into()],
+            ..Names::default()
+        };
+        let rules = "[[rule]]\nobject = \"ha*\"\nwidth = 3\n[[rule]]\nobject = \"Heat\"\n\
+                     material = \"felt\"\nwidth = 2\n[[rule]]\nmaterial = \"Silk\"\nwidth = 2";
+        let unmet = style(rules).unwrap().unmet(&names);
+        assert_eq!(unmet.len(), 2, "{unmet:?}");
+        assert!(
+            unmet[0].contains("object = Heat") && unmet[0].contains("did you mean"),
+            "{unmet:?}"
+        );
+        assert!(unmet[1].contains("material = Silk"), "{unmet:?}");
     }
 
     #[test]
