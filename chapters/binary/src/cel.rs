@@ -10,8 +10,10 @@ use crate::mend::Costs;
 use chiaro_basis::{Error, Result};
 use chiaro_image::Plane;
 use chiaro_mincut::{Distance, LabelError, LabelGrid, Labelling, expand};
+use chiaro_trace::UNLINKED;
 
 /// A frame of a film as its cut needs it.
+#[derive(Clone)]
 pub struct Cel {
     /// The frame's own graph in two colours.
     pub graph: Graph,
@@ -29,6 +31,7 @@ pub struct Cel {
 }
 
 /// Labels of a frame that are found together.
+#[derive(Clone)]
 pub struct Layer {
     /// How many labels there are.
     pub count: usize,
@@ -77,6 +80,21 @@ impl Cel {
         let alone = graph.solve()?;
         let own = alone.white.map(|w| u8::from(*w));
         Ok(Self { graph, links, alone, layers: Vec::new(), painted: None, own })
+    }
+
+    /// Links to itself: a frame as it would follow if all stood still.
+    pub(crate) fn staying(&self) -> Plane<u32> {
+        let mask = &self.graph.mask;
+        let own = |x: usize, y: usize| (y * mask.width() + x) as u32;
+        Plane::from_fn(mask.width(), mask.height(), |x, y| match mask[(x, y)] {
+            true => own(x, y),
+            false => UNLINKED,
+        })
+    }
+
+    /// The frame that follows if all stands still.
+    pub(crate) fn stayed(&self) -> Self {
+        Self { links: self.staying(), ..self.clone() }
     }
 
     /// How many layers are labelled.

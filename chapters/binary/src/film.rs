@@ -11,20 +11,24 @@
 //! 3. What was cut is settled: pieces under the smallest island grow or take the colour around them,
 //!    whichever costs less in space and time, and new pieces that would be gone within two frames go
 //!    at once. The next window starts from that, so that what was removed does not come back by
-//!    itself, nor what has grown shrink.
+//!    itself, nor what has grown shrink. Where the frame weighs as the one before, labels stay
+//!    (`still.rs`).
+//! 4. Before the shot and after it all stands still: where a window reaches past the end, copies of
+//!    the last frame fill it, so that what a change gains there counts on as many frames as elsewhere.
 //!
 //! Palettes have layers (see [`Cel`]): each is labelled as a film of its own. What is painted keeps its
 //! label.
 //!
 //! Guaranteed: a frame's labels depend on its block, its keys and their windows alone, so that any
-//! part of a film has the bytes of the whole. Not guaranteed: the least energy over the whole
+//! part of a film has the bytes of the whole; a film of what stands still is still. Not guaranteed: the least energy over the whole
 //! volume; the past is settled when the future is cut.
 
 use crate::cel::Cel;
-use crate::hold::{Hold, Pace, holds};
+use crate::hold::{Hold, Pace, holds, usual_hold};
 use crate::island::{recoloured, without_islands};
 use crate::knob::BinaryKnobs;
 use crate::mend::{Costs, pixels_of};
+use crate::still::{kept_still, still};
 use crate::window::{Bond, Known, cut_window, pull};
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
@@ -61,16 +65,6 @@ impl Plan {
         key.saturating_sub(reach)..(key + self.window - reach).min(self.frames)
     }
 
-    /// How much of a link's worth frames hold on with: less where the shot ends before a window does. What
-    /// a change gains counts on fewer frames there, while its links cost as much, and whole faces
-    /// would keep the wrong label to the end.
-    fn foresight(&self, window: &Range<usize>) -> f32 {
-        match window.end == self.frames {
-            true => (window.len() as f32 / self.window as f32).sqrt(),
-            false => 1.0,
-        }
-    }
-
     /// The frames without which a block cannot be labelled.
     pub fn needed(&self, block: &Range<usize>) -> Range<usize> {
         let last = if block.end < self.frames { self.around(block.end).end } else { block.end };
@@ -90,6 +84,10 @@ pub struct Film<'a, C> {
     /// How strongly each holds on to the frame before it, by layer, and how much more or less the
     /// frame in work does.
     holds: VecDeque<Vec<Plane<i32>>>,
+    /// What is still in each since the frame before it, by layer.
+    stills: VecDeque<Vec<Plane<bool>>>,
+    /// The last frame of the shot as it stands still after its end.
+    stays: Option<Cel>,
     pace: Pace,
     first: usize,
     /// Labels of keys that were cut already, by layer.
@@ -104,6 +102,8 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
             knobs,
             cels: VecDeque::new(),
             holds: VecDeque::new(),
+            stills: VecDeque::new(),
+            stays: None,
             pace: Pace::default(),
             first: 0,
             keys: BTreeMap::new(),
@@ -124,6 +124,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         if self.first + self.cels.len() < needed.start {
             self.cels.clear();
             self.holds.clear();
+            self.stills.clear();
             self.first = needed.start;
         }
         let mut before = self.key(block.start, fetch, run)?;
@@ -139,6 +140,9 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
             };
             self.gather(end, fetch)?;
             self.forget(t);
+            if end == self.plan.frames && self.stays.is_none() {
+                self.stays = Some(self.cel(end - 1).as_ref().stayed());
+            }
             let mut labels = Vec::with_capacity(before.len());
             for (layer, before) in before.iter().enumerate() {
                 let key = key.as_ref().map(|labels| &labels[layer]);
@@ -168,16 +172,39 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         let mut settled = Vec::new();
         for layer in 0..self.cel(key).as_ref().depth() {
             let labels = self.cut(around.clone(), (layer, 1.0), &Known::default(), run)?;
-            let cel = self.cel(key).as_ref();
             let at = key - around.start;
-            let before = at.checked_sub(1).map(|i| (&labels[i], self.hold(key, (layer, 1.0))));
-            let after = labels.get(at + 1).map(|after| self.bond(key + 1, (layer, 1.0), after));
-            let held = held((cel, layer), before, after);
-            let clean = cel.costs(&held, layer).finished(&labels[at], self.knobs)?;
-            settled.push(cel.kept(layer, clean));
+            let clean = self.settled(key, layer, &labels, at)?;
+            settled.push(self.cel(key).as_ref().kept(layer, clean));
         }
         self.keys.insert(key, settled.clone());
         Ok(settled)
+    }
+
+    /// The labels of a key, which is frame `at` of its window, settled. Links are worth as much
+    /// everywhere here, and before the shot and after it all stands still, so that the keys of what
+    /// is still are the same.
+    fn settled(
+        &self,
+        key: usize,
+        layer: usize,
+        labels: &[Plane<u8>],
+        at: usize,
+    ) -> Result<Plane<u8>> {
+        let cel = self.cel(key).as_ref();
+        let even = usual_hold(&cel.graph, self.knobs);
+        let hold = Hold::new(&even, 1.0);
+        let stays = cel.staying();
+        let bond = |links, labels| Bond { links, labels, hold };
+        let before = match at.checked_sub(1) {
+            Some(i) => bond(&cel.links, &labels[i]),
+            None => bond(&stays, &labels[at]),
+        };
+        let after = match labels.get(at + 1) {
+            Some(after) => bond(&self.cel(key + 1).as_ref().links, after),
+            None => bond(&stays, &labels[at]),
+        };
+        let held = held((cel, layer), before, Some(after));
+        cel.costs(&held, layer).finished(&labels[at], self.knobs)
     }
 
     /// The labels of the first frame of a window, the one before it being settled, and what its links
@@ -189,18 +216,24 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         (before, key): (&Plane<u8>, Option<&Plane<u8>>),
         run: &Run,
     ) -> Result<(Plane<u8>, f32)> {
-        let paced = (layer, self.pace.of(layer) * self.plan.foresight(&window));
+        let paced = (layer, self.pace.of(layer));
         let after = key.map(|labels| self.bond(window.end, paced, labels));
         let known = Known { before: Some(before), after };
         let labels = self.cut(window.clone(), paced, &known, run)?;
         let first = window.start;
         let hold = self.hold(first, paced);
         let cels: Vec<&Cel> = window.map(|i| self.cel(i).as_ref()).collect();
-        let after = labels.get(1).map(|after| self.bond(first + 1, paced, after));
-        let held = held((cels[0], layer), Some((before, hold)), after);
+        let after = labels.get(1).map(|after| match (&self.stays, cels.len()) {
+            (Some(stays), 1) => Bond { links: &stays.links, labels: after, hold },
+            _ => self.bond(first + 1, paced, after),
+        });
+        let held =
+            held((cels[0], layer), Bond { links: &cels[0].links, labels: before, hold }, after);
         let clean = cels[0].costs(&held, layer).finished(&labels[0], self.knobs)?;
         let costs = cels[0].costs(&held, layer);
         let clean = lasting((clean, &costs, hold), &labels, &cels, before, self.knobs);
+        let stills = &self.stills[first - self.first][layer];
+        let clean = kept_still(clean, before, &cels[0].links, stills);
         let own = cels[0].own(layer).1.max(1);
         let cost = (cels[0].energy(layer, &labels[0]) - own) as f32 / own as f32;
         Ok((cels[0].kept(layer, clean), cost))
@@ -224,11 +257,23 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         known: &Known,
         run: &Run,
     ) -> Result<Vec<Plane<u8>>> {
-        let cels: Vec<&Cel> = window.clone().map(|i| self.cel(i).as_ref()).collect();
-        let holds: Vec<Hold> = window.map(|i| self.hold(i, paced)).collect();
+        let mut cels: Vec<&Cel> = window.clone().map(|i| self.cel(i).as_ref()).collect();
+        let mut holds: Vec<Hold> = window.clone().map(|i| self.hold(i, paced)).collect();
+        if let (Some(stays), Some(last)) = (self.stays_after(&window, known), holds.last().copied())
+        {
+            let missing = self.plan.window - window.len();
+            cels.extend(std::iter::repeat_n(stays, missing));
+            holds.extend(std::iter::repeat_n(last, missing));
+        }
         run.check()?;
         let pixels = cels.iter().map(|c| c.graph.mask.len() as u64).sum();
         run.stage("cut", pixels, || cut_window((&cels, paced.0), &holds, known))
+    }
+
+    /// What follows a window that the shot ends with.
+    fn stays_after(&self, window: &Range<usize>, known: &Known) -> Option<&Cel> {
+        let ends = window.end == self.plan.frames && known.before.is_some();
+        self.stays.as_ref().filter(|_| ends)
     }
 
     fn cel(&self, frame: usize) -> &C {
@@ -239,6 +284,9 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         while self.first + self.cels.len() < end {
             let next = fetch(self.first + self.cels.len())?;
             let before = self.cels.back().map(AsRef::as_ref);
+            let layers = 0..next.as_ref().depth();
+            let stills = layers.map(|layer| still(next.as_ref(), before, layer)).collect();
+            self.stills.push_back(stills);
             self.holds.push_back(holds(next.as_ref(), before, self.knobs));
             self.cels.push_back(next);
         }
@@ -250,6 +298,7 @@ impl<'a, C: AsRef<Cel>> Film<'a, C> {
         while self.first < frame {
             self.cels.pop_front();
             self.holds.pop_front();
+            self.stills.pop_front();
             self.first += 1;
         }
     }
@@ -305,17 +354,12 @@ fn lasting(
 }
 
 /// The prices of a frame's layer with the pull of its links to the labels before and after it.
-fn held(
-    (cel, layer): (&Cel, usize),
-    before: Option<(&Plane<u8>, Hold<'_>)>,
-    after: Option<Bond<'_>>,
-) -> Vec<i32> {
+fn held((cel, layer): (&Cel, usize), before: Bond<'_>, after: Option<Bond<'_>>) -> Vec<i32> {
     let count = cel.count(layer);
     let mut prices = cel.prices(layer).to_vec();
-    if let Some((before, hold)) = before {
-        for (p, to) in cel.links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED) {
-            pull(&mut prices[p * count..][..count], before.pixels()[*to as usize], hold.at(p));
-        }
+    let Bond { links, labels, hold } = before;
+    for (p, to) in links.pixels().iter().enumerate().filter(|(_, to)| **to != UNLINKED) {
+        pull(&mut prices[p * count..][..count], labels.pixels()[*to as usize], hold.at(p));
     }
     if let Some(Bond { links, labels, hold }) = after {
         for (p, (to, label)) in links.pixels().iter().zip(labels.pixels()).enumerate() {

@@ -9,6 +9,7 @@
 //!    stronger or weaker until the cut costs [`USUAL_COST`] more than the frames' own ([`Pace`]).
 
 use crate::cel::Cel;
+use crate::cut::Graph;
 use crate::knob::{BinaryKnobs, scaled};
 use chiaro_image::Plane;
 use chiaro_trace::UNLINKED;
@@ -76,14 +77,23 @@ impl Pace {
     }
 }
 
+/// What a link is worth where as much changes as usual, in units of capacity.
+fn usual(graph: &Graph, knobs: &BinaryKnobs) -> f32 {
+    knobs.coherence * knobs.neighbour * graph.scale
+}
+
+/// Links that are worth as much everywhere.
+pub(crate) fn usual_hold(graph: &Graph, knobs: &BinaryKnobs) -> Plane<i32> {
+    let (width, height) = graph.mask.size();
+    Plane::filled(width, height, usual(graph, knobs).round() as i32)
+}
+
 /// The capacities of a frame's links by layer, at a pace of 1.
 pub(crate) fn holds(cel: &Cel, before: Option<&Cel>, knobs: &BinaryKnobs) -> Vec<Plane<i32>> {
-    let usual = knobs.coherence * knobs.neighbour * cel.graph.scale;
+    let usual = usual(&cel.graph, knobs);
     let (width, height) = cel.graph.mask.size();
     let hold = |layer| {
-        let Some(before) = before else {
-            return Plane::filled(width, height, usual.round() as i32);
-        };
+        let Some(before) = before else { return usual_hold(&cel.graph, knobs) };
         let changes = Changes::of(cel, before, layer);
         let strengths = changes.strengths();
         let side = changes.side as f32;
@@ -164,7 +174,6 @@ fn between(plane: &Plane<f32>, [x, y]: [f32; 2]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cut::Graph;
     use chiaro_basis::random;
 
     /// A square of pixels that are white where `is_white` holds for their places.

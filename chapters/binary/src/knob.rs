@@ -108,7 +108,7 @@ knobs! {
 
         palette: String = String::new(), Text, "", "", "colours: a number of tones, colours from dark to light, or spot: and colours; empty: ink and paper";
         coherence: f32 = 0.3, Number { min: 0.0, max: 1.0 }, "", "N~", "films: how strongly frames hold on to each other; 0: each frame on its own";
-        window: u32 = 5, Count { min: 2, max: 9 }, "", "frames", "films: frames that are cut together; 3 is faster";
+        window: u32 = 7, Count { min: 2, max: 9 }, "", "frames", "films: frames that are cut together; 3 is faster";
 
         lines: bool = true, Switch, "", "", "whether lines are drawn on top";
         line_width: f32 = 1.5, Number { min: 0.1, max: 50.0 }, "", "px at 480", "width of lines";

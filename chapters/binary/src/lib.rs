@@ -36,6 +36,7 @@ mod price;
 mod round;
 mod rows;
 mod shade;
+mod still;
 mod tariff;
 mod terminal;
 mod window;

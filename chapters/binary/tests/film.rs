@@ -121,8 +121,7 @@ fn glimpse(frames: usize, at: usize) -> Vec<(usize, Plane<u8>)> {
         let difference = Plane::from_fn(w, h, |x, y| if is_in(x, y) { 0.04 } else { -0.3 });
         let covered = Plane::filled(w, h, true);
         let graph = Graph::new(&covered, &difference, &Plane::filled(w, h, [1.0; 4]), &knobs);
-        let link = |x: usize, y: usize| if i == 0 { UNLINKED } else { (y * w + x) as u32 };
-        Ok(Made(Cel::new(graph, Plane::from_fn(w, h, link))?))
+        Ok(Made(Cel::new(graph, staying(i))?))
     };
     let mut out = Vec::new();
     let mut done = |i: usize, _: &Made, labels: &[Plane<u8>]| {
@@ -131,6 +130,36 @@ fn glimpse(frames: usize, at: usize) -> Vec<(usize, Plane<u8>)> {
     };
     film.label(&(0..frames), &mut fetch, &mut done, &Run::default()).unwrap();
     out
+}
+
+/// Links of frames that show all where it was.
+fn staying(i: usize) -> Plane<u32> {
+    let (w, h) = SIZE;
+    Plane::from_fn(w, h, |x, y| if i == 0 { UNLINKED } else { (y * w + x) as u32 })
+}
+
+#[test]
+fn a_film_of_what_stands_still_is_still() {
+    let knobs = BinaryKnobs { island: 480.0 * 480.0 / 900.0 * 12.0, ..BinaryKnobs::default() };
+    for (frames, window) in [(2 * BLOCK + 1, 5), (BLOCK + 9, 7), (6, 3)] {
+        let mut film: Film<'_, Made> = Film::new(Plan { frames, window }, &knobs);
+        let graph = cel(0, &knobs).graph;
+        let mut fetch = |i: usize| Ok(Made(Cel::new(graph.clone(), staying(i))?));
+        let mut out = Vec::new();
+        for start in (0..frames).step_by(BLOCK) {
+            let mut done = |_: usize, _: &Made, labels: &[Plane<u8>]| {
+                out.push(labels[0].clone());
+                Ok(())
+            };
+            let block = start..(start + BLOCK).min(frames);
+            film.label(&block, &mut fetch, &mut done, &Run::default()).unwrap();
+        }
+        assert_eq!(out.len(), frames);
+        let first = out[0].pixels();
+        let differ = |l: &Plane<u8>| l.pixels().iter().zip(first).filter(|(a, b)| a != b).count();
+        let counts: Vec<usize> = out.iter().map(differ).collect();
+        assert!(counts.iter().all(|n| *n == 0), "{counts:?}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //!    frame is linked to it.
 //! 2. [`chiaro_binary::Film`] labels the takes; a labelled take is drawn, measured and written.
 //!
-//! Memory: two frames of geometry and at most `window` + `window` / 2 + 1 takes, some 60 bytes a
+//! Memory: two frames of geometry and at most `window` + `window` / 2 + 2 takes, some 60 bytes a
 //! pixel each, whatever the film's length. A part of a film renders, beyond its own frames, those of
 //! its blocks and of half a window around each key.
 
