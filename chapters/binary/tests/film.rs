@@ -121,7 +121,7 @@ fn glimpse(frames: usize, at: usize) -> Vec<(usize, Plane<u8>)> {
         let difference = Plane::from_fn(w, h, |x, y| if is_in(x, y) { 0.04 } else { -0.3 });
         let covered = Plane::filled(w, h, true);
         let graph = Graph::new(&covered, &difference, &Plane::filled(w, h, [1.0; 4]), &knobs);
-        Ok(Made(Cel::new(graph, staying(i))?))
+        Ok(Made(Cel::new(graph, staying(i, SIZE))?))
     };
     let mut out = Vec::new();
     let mut done = |i: usize, _: &Made, labels: &[Plane<u8>]| {
@@ -133,33 +133,40 @@ fn glimpse(frames: usize, at: usize) -> Vec<(usize, Plane<u8>)> {
 }
 
 /// Links of frames that show all where it was.
-fn staying(i: usize) -> Plane<u32> {
-    let (w, h) = SIZE;
+fn staying(i: usize, (w, h): (usize, usize)) -> Plane<u32> {
     Plane::from_fn(w, h, |x, y| if i == 0 { UNLINKED } else { (y * w + x) as u32 })
+}
+
+/// The most pixels by which a frame of a still film differs from its first; the tone is noise about
+/// as coarse as the smallest island, and the picture so large that borders are rounded in parts.
+fn stir(seed: u64, plan: Plan) -> usize {
+    let (w, h) = (1024, 520);
+    let knobs = BinaryKnobs::default();
+    let difference = Plane::from_fn(w, h, |x, y| {
+        let (u, v) = (x as f32 * 0.07, y as f32 * 0.05);
+        let coarse = random::unit(seed, (y / 6 * w + x / 6) as u64) - 0.5;
+        0.02 * u.sin() * v.cos() + 0.3 * coarse
+    });
+    let factors = Plane::from_fn(w, h, |x, y| [if (x + 2 * y) % 17 == 0 { 0.1 } else { 1.0 }; 4]);
+    let graph = Graph::new(&Plane::filled(w, h, true), &difference, &factors, &knobs);
+    let mut fetch = |i: usize| Ok(Made(Cel::new(graph.clone(), staying(i, (w, h)))?));
+    let (mut first, mut most): (Option<Plane<u8>>, usize) = (None, 0);
+    let mut done = |_: usize, _: &Made, labels: &[Plane<u8>]| {
+        let first = first.get_or_insert_with(|| labels[0].clone());
+        let differ = first.pixels().iter().zip(labels[0].pixels()).filter(|(a, b)| a != b);
+        most = most.max(differ.count());
+        Ok(())
+    };
+    let mut film: Film<'_, Made> = Film::new(plan, &knobs);
+    for start in (0..plan.frames).step_by(BLOCK) {
+        film.label(&plan.block(start), &mut fetch, &mut done, &Run::default()).unwrap();
+    }
+    most
 }
 
 #[test]
 fn a_film_of_what_stands_still_is_still() {
-    let knobs = BinaryKnobs { island: 480.0 * 480.0 / 900.0 * 12.0, ..BinaryKnobs::default() };
-    for (frames, window) in [(2 * BLOCK + 1, 5), (BLOCK + 9, 7), (6, 3)] {
-        let mut film: Film<'_, Made> = Film::new(Plan { frames, window }, &knobs);
-        let graph = cel(0, &knobs).graph;
-        let mut fetch = |i: usize| Ok(Made(Cel::new(graph.clone(), staying(i))?));
-        let mut out = Vec::new();
-        for start in (0..frames).step_by(BLOCK) {
-            let mut done = |_: usize, _: &Made, labels: &[Plane<u8>]| {
-                out.push(labels[0].clone());
-                Ok(())
-            };
-            let block = start..(start + BLOCK).min(frames);
-            film.label(&block, &mut fetch, &mut done, &Run::default()).unwrap();
-        }
-        assert_eq!(out.len(), frames);
-        let first = out[0].pixels();
-        let differ = |l: &Plane<u8>| l.pixels().iter().zip(first).filter(|(a, b)| a != b).count();
-        let counts: Vec<usize> = out.iter().map(differ).collect();
-        assert!(counts.iter().all(|n| *n == 0), "{counts:?}");
-    }
+    assert_eq!(stir(7, Plan { frames: BLOCK + 2, window: 3 }), 0);
 }
 
 #[test]
