@@ -3,9 +3,11 @@
 //! 1. Every triangle whose material emits is listed with its area and its mean radiance, textures
 //!    averaged by their mip maps; triangles without area, and those that are black, are left out.
 //! 2. Points are drawn on them with a density proportional to power: a cumulative distribution over
-//!    the triangles, low-discrepancy points inside.
+//!    the triangles, low-discrepancy points inside. For a place that has light from them they are drawn by what
+//!    it sees: a hierarchy (`bundle`) finds few triangles, solid angles one of these and a point on it (`seen`).
 //! 3. For noise-free light the points are gathered into a few clusters ([`Glow::clusters`]), each a
-//!    small lamp with a cosine, and near by a few pieces: the same points whatever the pixel.
+//!    small lamp with a cosine, and near by a few pieces: the same points whatever the pixel. Pixels that share
+//!    the work look at quarters of these (`quarter`).
 //!
 //! Single-sided materials shine from their front alone, double-sided ones from both sides.
 
