@@ -160,7 +160,11 @@ impl Soft {
     /// By the lamps of a small window; where those of the large one say much the same, by these.
     fn with(self, large: Option<Self>) -> Self {
         let Some(large) = large else { return self };
-        let differ = (self.arriving() - large.arriving()).abs() / self.chance();
+        let chance = self.chance();
+        if chance <= 0.0 {
+            return self;
+        }
+        let differ = (self.arriving() - large.arriving()).abs() / chance;
         let share = (1.0 - (differ - EVEN[0]) / (EVEN[1] - EVEN[0])).clamp(0.0, 1.0);
         let mix =
             |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|i| (1.0 - share) * a[i] + share * b[i]);

@@ -17,17 +17,18 @@ mod open;
 mod quarter;
 mod seen;
 mod shell;
+mod spot;
 
 use crate::light::{Lamp, Patch, Shown};
 use crate::surface::Surfaces;
 use crate::tracer::{Hit, Ray, Sides, Tracer};
 use bundle::Bundles;
 use chiaro_basis::math::Vec3;
-use chiaro_basis::random;
 use chiaro_image::colour::luminance;
 use chiaro_scene::LightKind;
 use open::Open;
 pub(crate) use quarter::QUARTERS;
+use spot::{Spot, Textured};
 
 /// The shining triangles of a frame.
 #[derive(Clone, Debug, Default)]
@@ -39,6 +40,8 @@ pub struct Glow {
     power: f64,
     /// To find those that a place has its light from.
     bundles: Bundles,
+    /// Points on textures, if any shine.
+    texture_spots: Option<Textured>,
     /// What they give where nothing stands between, unless they are very many or textured.
     open: Option<Open>,
 }
@@ -136,7 +139,8 @@ impl Glow {
             }));
         }
         shell::leave_insides_out(&mut triangles, tracer);
-        Self::from_triangles(triangles)
+        let glow = Self::from_triangles(triangles);
+        Self { texture_spots: Textured::of(&glow, tracer, surfaces), ..glow }
     }
 
     fn from_triangles(triangles: Vec<GlowTriangle>) -> Self {
@@ -152,7 +156,7 @@ impl Glow {
         let known = triangles.len() <= MANY && !triangles.iter().any(|t| t.textured);
         let open = known.then(|| Open::new(&triangles));
         let bundles = Bundles::new(&triangles);
-        Self { triangles, cumulative, power, bundles, open }
+        Self { triangles, cumulative, power, bundles, texture_spots: None, open }
     }
 
     /// The triangles.
@@ -209,21 +213,12 @@ impl Glow {
 
     /// The same lamps with their pieces.
     pub fn clusters(&self, count: usize) -> Vec<Cluster> {
-        let (points, share) = self.candidates(2048);
+        let (points, share) = self.spots(spot::MOST / QUARTERS);
         let of = |members: &Vec<usize>| self.cluster(&points, members, share);
         parted(&points, count).iter().map(of).collect()
     }
 
-    /// So many points, spread by power, and the power of one.
-    fn candidates(&self, count: usize) -> (Vec<GlowPoint>, f32) {
-        let point = |i: usize| {
-            let [u, v] = random::r2(i as u64);
-            self.point([(i as f32 + 0.5) / count as f32, u, v])
-        };
-        ((0..count).filter_map(point).collect(), (self.power / count as f64) as f32)
-    }
-
-    fn cluster(&self, points: &[GlowPoint], members: &[usize], share: f32) -> Cluster {
+    fn cluster(&self, points: &[Spot], members: &[usize], share: f32) -> Cluster {
         let lamp = self.lamp(points, members, share);
         let square = |i: &usize| (points[*i].position - lamp.position).length_squared();
         let radius = (members.iter().map(square).sum::<f32>() / members.len() as f32).sqrt();
@@ -236,18 +231,16 @@ impl Glow {
 
     /// One lamp for a cluster of points: at the member nearest to their mean, with the cluster's power, mean
     /// colour and, where its triangles face one way, their direction.
-    fn lamp(&self, points: &[GlowPoint], members: &[usize], share: f32) -> Lamp {
+    fn lamp(&self, points: &[Spot], members: &[usize], share: f32) -> Lamp {
         let count = members.len() as f32;
         let mean = members.iter().map(|&i| points[i].position).sum::<Vec3>() / count;
         let distance = |i: usize| (points[i].position - mean).length_squared();
         let middle = members.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
         let middle = &points[middle.expect("a cluster has members")];
         let t = &self.triangles[middle.triangle];
-        let sum = members.iter().fold([0.0f32; 3], |sum, &i| {
-            let t = &self.triangles[points[i].triangle];
-            let y = luminance(t.radiance);
-            std::array::from_fn(|k| sum[k] + t.radiance[k] / y)
-        });
+        let sum = members
+            .iter()
+            .fold([0.0f32; 3], |sum, &i| std::array::from_fn(|k| sum[k] + points[i].colour[k]));
         let normals = || members.iter().map(|&i| self.triangles[points[i].triangle].normal);
         let facing = match t.two_sided {
             true => t.normal,
@@ -308,7 +301,7 @@ impl GlowTriangle {
 }
 
 /// Compact clusters of points, at most `count`, none of them empty.
-fn parted(points: &[GlowPoint], count: usize) -> Vec<Vec<usize>> {
+fn parted(points: &[Spot], count: usize) -> Vec<Vec<usize>> {
     if count == 0 || points.is_empty() {
         return Vec::new();
     }

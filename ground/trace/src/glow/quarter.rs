@@ -3,7 +3,8 @@
 //! Pixels side by side look at different quarters: together they see four times as many lamps, at the price of one
 //! each. Few lamps stand in rows, whose shadows fall together in bands.
 
-use super::{Cluster, Glow, GlowPoint};
+use super::spot::{self, Spot};
+use super::{Cluster, Glow};
 use chiaro_basis::math::Vec3;
 
 /// Quarters of a cluster.
@@ -12,7 +13,7 @@ pub(crate) const QUARTERS: usize = 4;
 impl Glow {
     /// At most `count` clusters, each as its quarters: parts of equal power, each with the power of the whole.
     pub(crate) fn quartered(&self, count: usize) -> Vec<[Cluster; QUARTERS]> {
-        let (points, share) = self.candidates(2048 * QUARTERS);
+        let (points, share) = self.spots(spot::MOST);
         let quarter = |members: &Vec<usize>| {
             quarters(&points, members).map(|quarter| {
                 let share = share * members.len() as f32 / quarter.len() as f32;
@@ -24,7 +25,7 @@ impl Glow {
 }
 
 /// Four parts of equal size, as compact as halving twice makes them; of fewer than four points, all of them each time.
-fn quarters(points: &[GlowPoint], members: &[usize]) -> [Vec<usize>; QUARTERS] {
+fn quarters(points: &[Spot], members: &[usize]) -> [Vec<usize>; QUARTERS] {
     if members.len() < QUARTERS {
         return std::array::from_fn(|_| members.to_vec());
     }
@@ -34,7 +35,7 @@ fn quarters(points: &[GlowPoint], members: &[usize]) -> [Vec<usize>; QUARTERS] {
 }
 
 /// The members on either side of their median along the axis of their largest extent.
-fn halves(points: &[GlowPoint], members: &[usize]) -> [Vec<usize>; 2] {
+fn halves(points: &[Spot], members: &[usize]) -> [Vec<usize>; 2] {
     let positions = || members.iter().map(|i| points[*i].position);
     let low = positions().fold(Vec3::INFINITY, Vec3::min);
     let high = positions().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -69,7 +70,7 @@ mod tests {
 
     #[test]
     fn one_point_is_four_quarters() {
-        let (points, _) = square(1.0).candidates(3);
+        let (points, _) = square(1.0).spots(3);
         assert_eq!(quarters(&points, &[1]), [vec![1], vec![1], vec![1], vec![1]]);
     }
 }
