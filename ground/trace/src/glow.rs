@@ -352,6 +352,7 @@ fn clusters(points: &[Vec3], count: usize) -> Vec<Vec<usize>> {
 pub(crate) mod tests {
     use super::*;
     use chiaro_basis::math::vec3;
+    use chiaro_basis::random;
 
     pub(crate) fn square(radiance: f32) -> Glow {
         let [a, b, c, d] = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
