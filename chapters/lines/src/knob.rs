@@ -47,9 +47,11 @@ choice! {
 choice! {
     /// How lines that merge and split are kept apart.
     pub enum Cuts {
+        /// As charts; where that leaves links that contradict each other, as both.
+        #[default]
+        Auto = "auto",
         /// A robust solve finds what contradicts; lines are cut there into charts, and parted in name
         /// alone where lines of two ids merge.
-        #[default]
         Charts = "charts",
         /// At every merger and split, paired within the sliding limit, and where contradictions are
         /// left: half the solve, and on most films fewer jumps, on some more stretch.
@@ -117,7 +119,7 @@ knobs! {
         coherence: f32 = 0.8, Number { min: 0.0, max: 1.0 }, "", "", "0: textures spread evenly, 1: they follow the surface";
         pattern_length: f32 = 24.0, Number { min: 1.0, max: 10000.0 }, "a", "px", "pixels a unit of u of repeated textures";
         sliding_limit: f32 = 8.0, Number { min: 0.5, max: 1000.0 }, "sigma", "px", "disagreement from which lines are kept apart";
-        cuts: Cuts = Cuts::Charts, Choice(Cuts::WORDS), "(4.7)", "", "how lines that merge and split are kept apart";
+        cuts: Cuts = Cuts::Auto, Choice(Cuts::WORDS), "(4.7)", "", "how lines that merge and split are kept apart";
         links: Links = Links::Projected, Choice(Links::WORDS), "(4.7)", "", "how a sample finds its place one frame later";
         octaves: bool = false, Switch, "", "", "repeated textures grow with the zoom, to be redrawn at twice or half their size";
         w_projection: f32 = 0.0, Number { min: 0.0, max: 1e4 }, "w_proj", "1/px^2", "weight of following the surface; 0: by coherence";

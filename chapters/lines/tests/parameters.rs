@@ -378,6 +378,26 @@ fn every_way_to_cut_and_link_folds_nothing() {
 }
 
 #[test]
+fn a_film_is_cut_at_mergers_where_contradictions_are_left() {
+    let of = |degrees: f32, cuts: Cuts| {
+        let (p, t) = torus(120, 60, 0.35);
+        let scene = scene(p, t, false);
+        let still = frame(&scene);
+        let view = view(vec3(1.0, 3.0, 4.5));
+        let at = |i| (turned(&still, Vec3::Y, degrees * i as f32), view);
+        solve(&mut film(&scene, 24, &at), &LinesKnobs { cuts, ..plain() })
+    };
+    // Slowly nothing contradicts; fast, charts alone leave some that do.
+    let (calm, _) = of(0.2, Cuts::Auto);
+    assert!(calm.saved.is_none() && calm.cut == 0, "{calm:?}");
+    let (charts, torn) = of(9.0, Cuts::Charts);
+    let (auto, quality) = of(9.0, Cuts::Auto);
+    assert!(charts.saved.is_none() && auto.saved.is_some(), "{charts:?} {auto:?}");
+    assert!(auto.cut_length < 0.5 * charts.cut_length, "{auto:?} {charts:?}");
+    assert!(quality.jumps < torn.jumps && quality.folds == 0, "{quality:?} {torn:?}");
+}
+
+#[test]
 fn poor_films_are_parameterized() {
     let flat = sheet(3, 0.0);
     let lone = (vec![Vec3::X, Vec3::Y, Vec3::Z], vec![[0, 1, 2]]);

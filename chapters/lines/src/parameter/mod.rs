@@ -36,7 +36,7 @@ pub use energy::Weights;
 pub use live::Live;
 pub use part::{drawn, whole};
 
-use crate::film::Film;
+use crate::film::{Film, FilmFrame};
 use crate::knob::{Cuts, LinesKnobs, Links, Method, Texture};
 use chiaro_basis::{Error, Result, Run, Sets};
 use cut::Kept;
@@ -49,6 +49,8 @@ use std::collections::BTreeMap;
 const ROUNDS: usize = 4;
 /// A loop whose longest slice is longer than its shortest by more than this closes with a seam.
 const LOOP_GROWTH: f64 = 1.3;
+/// Share of links left contradicting from which a film is cut at mergers and splits too.
+const LEFT: f64 = 0.001;
 
 /// What a parameterization took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -140,6 +142,31 @@ impl Parameters {
     /// and cuts part strokes.
     pub fn new(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         seam::carry(film);
+        if knobs.cuts != Cuts::Auto {
+            return Self::cut(film, spacing, knobs, run);
+        }
+        let cut_as = |cuts| LinesKnobs { cuts, ..knobs.clone() };
+        let strokes = |f: &FilmFrame| (f.strokes.clone(), f.hidden.clone());
+        let whole: Vec<_> = film.frames.iter().map(strokes).collect();
+        let charts = Self::cut(film, spacing, &cut_as(Cuts::Charts), run)?;
+        if charts.contradicting() <= LEFT {
+            return Ok(charts);
+        }
+        drop(charts);
+        for (frame, strokes) in film.frames.iter_mut().zip(whole) {
+            (frame.strokes, frame.hidden) = strokes;
+        }
+        Self::cut(film, spacing, &cut_as(Cuts::Both), run)
+    }
+
+    /// The share of what links hold that contradicts the rest.
+    fn contradicting(&self) -> f64 {
+        let all: f64 = self.net.links.iter().map(|l| l.weight).sum();
+        self.kept.cut_length / all.max(1e-9)
+    }
+
+    /// Finds links, cuts as the knobs say, and factors the pattern.
+    fn cut(film: &mut Film, spacing: &[f64], knobs: &LinesKnobs, run: &Run) -> Result<Self> {
         let sigma = f64::from(knobs.sliding_limit);
         let mut found = Found::default();
         let mut linked = |film: &Film, anneal: &[f64], before: Option<&Self>| {

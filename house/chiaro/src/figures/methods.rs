@@ -55,7 +55,7 @@ pub(super) fn methods(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
         let spacing = vec![1.0 / 24.0; found.frames.len()];
         let mut rows = Vec::new();
         for (name, colour, method, cuts) in [
-            ("global", RED, Method::Global, Cuts::Charts),
+            ("global", RED, Method::Global, Cuts::Auto),
             ("global, cut at both", RED, Method::Global, Cuts::Both),
             ("global, links cut", RED, Method::Global, Cuts::Links),
             ("global, cut at events", RED, Method::Global, Cuts::Events),
