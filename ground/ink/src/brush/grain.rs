@@ -120,7 +120,7 @@ impl Inking<'_> {
                 (place.u / lattice.cell).rem_euclid(1.0) as f32
             }
         };
-        texture.sample(x, v, 2.0 * place.half.max(0.25))
+        texture.sample([x, v], 2.0 * place.half.max(0.25), b.grain == Grain::Repeat)
     }
 }
 

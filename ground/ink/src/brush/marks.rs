@@ -5,7 +5,7 @@
 //! on as another, where two of them must not touch. Where u falls, as by methods that know no future it may, they are
 //! placed part by part.
 
-use super::knob::{Brush, Cap, Mark, Side};
+use super::knob::{Brush, Cap, Grain, Mark, Side};
 use super::ribbon::{Rib, Ribbon};
 use super::spine::{Knot, Spine};
 use super::width::Hand;
@@ -125,7 +125,9 @@ impl Placing<'_> {
     }
 
     fn ribbon(&self, ribs: Vec<Rib>, closed: bool) -> Ribbon {
-        let round = [self.brush.cap == Cap::Round; 2];
+        // A picture of a stroke has ends of its own.
+        let ended = self.brush.grain == Grain::Stretch && !self.brush.picture.is_empty();
+        let round = [self.brush.cap == Cap::Round && !ended; 2];
         Ribbon { ribs, closed, round, erases: false, axis: self.spine.axis }
     }
 

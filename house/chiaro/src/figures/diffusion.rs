@@ -29,8 +29,9 @@ pub(super) const FIGURES: [Figure; 3] = [
     Figure {
         name: "4.14",
         title: "variance",
-        message: "Along the longest line of a frame: what is diffused, its standard deviation, how much an even \
-                  spread counts, and u as it is made of them; each as a share of its range.",
+        message: "Along the longest line of a frame: u as it is made of what is diffused and of an even spread, how far it \
+                  is from what is diffused, the standard deviation of that, and how much an even spread counts; each as a \
+                  share of its range.",
         columns: 2,
         draw: variance,
     },
@@ -111,12 +112,21 @@ fn variance(sheet: &mut Sheet, run: &Run) -> Result<()> {
         let u: Vec<f64> = stroke.u.iter().map(|u| u * stroke.pixels_per_u).collect();
         let deviation: Vec<f64> = told.iter().map(|d| d.variance.sqrt()).collect();
         let trust: Vec<f64> = told.iter().map(Diffused::trust).collect();
-        let mean: Vec<f64> = told.iter().map(|d| d.mean).collect();
+        let moved = |(u, d): (&f64, &Diffused)| {
+            let off = u - d.mean;
+            (off - d.period.map_or(0.0, |p| p * (off / p).round())).abs()
+        };
+        let moved: Vec<f64> = u.iter().zip(told).map(moved).collect();
         let (own, worst) = (range(&u), spread(told).sqrt());
-        let [low, high] = own;
+        let ([low, high], most) = (own, range(&moved)[1]);
         let series = vec![
-            curve(stroke, &mean, own, (GREEN, "diffused".into())),
-            curve(stroke, &u, own, (BLACK, format!("made of it: {low:.0} to {high:.0} px"))),
+            curve(
+                stroke,
+                &moved,
+                [0.0, most],
+                (GREEN, format!("from the diffused: to {most:.0} px")),
+            ),
+            curve(stroke, &u, own, (BLACK, format!("u: {low:.0} to {high:.0} px"))),
             curve(stroke, &deviation, [0.0, worst], (BLUE, format!("deviation: to {worst:.0} px"))),
             curve(stroke, &trust, [0.0, 1.0], (RED, "weight of an even spread".into())),
         ];

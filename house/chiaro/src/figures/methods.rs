@@ -1,12 +1,13 @@
 //! All ways to parameterize lines, measured alike: a table, and slide over stretch as curves.
 
-use super::chapter4::{BLACK, Canvas, Colour, GREY, RED};
+use super::chapter4::{BLACK, Colour, RED};
+use super::chart::{Axis, Chart, Scale, Series};
 use crate::lines::camera;
 use crate::project::{Options, Project};
 use chiaro_basis::math::{Quat, Vec3};
 use chiaro_basis::{Result, Run};
+use chiaro_image::Plane;
 use chiaro_image::sheet::Sheet;
-use chiaro_ink::Polyline;
 use chiaro_lines::parameter::{Parameters, Solved, Weights, parameterize};
 use chiaro_lines::{Cuts, Film, LinesKnobs, Method, Quality, Reel, View, measure, quality};
 use chiaro_scene::Pose;
@@ -27,12 +28,15 @@ pub(super) const SCENES: [&str; 7] = [
 const SIZE: (usize, usize) = (960, 540);
 const FRAMES: u32 = 48;
 const DEGREES: f32 = 1.5;
-const PLOT: (usize, usize) = (420, 320);
-/// Slides at the ends of the vertical axis, pixels, and the stretch at the right, octaves.
-const SLIDES: [f64; 2] = [0.05, 400.0];
+const PLOT: (usize, usize) = (640, 480);
+/// The least slide that is shown, pixels, and the greatest stretch, octaves.
+const LEAST: f64 = 0.05;
 const WIDEST: f64 = 0.6;
 const BLUE: Colour = [0.1, 0.3, 0.8];
 const GREEN: Colour = [0.1, 0.55, 0.2];
+/// Ways to cut, beside the default's red.
+const CUTS: [Colour; 4] =
+    [[0.95, 0.55, 0.1], [0.6, 0.2, 0.6], [0.55, 0.35, 0.15], [0.95, 0.45, 0.7]];
 
 /// A row of the table.
 struct Row {
@@ -56,10 +60,10 @@ pub(super) fn methods(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
         let mut rows = Vec::new();
         for (name, colour, method, cuts) in [
             ("global", RED, Method::Global, Cuts::Auto),
-            ("global, cut at both", RED, Method::Global, Cuts::Both),
-            ("global, links cut", RED, Method::Global, Cuts::Links),
-            ("global, cut at events", RED, Method::Global, Cuts::Events),
-            ("the same, unpaired", RED, Method::Global, Cuts::Unpaired),
+            ("global, cut at both", CUTS[0], Method::Global, Cuts::Both),
+            ("global, links cut", CUTS[1], Method::Global, Cuts::Links),
+            ("global, cut at events", CUTS[2], Method::Global, Cuts::Events),
+            ("the same, unpaired", CUTS[3], Method::Global, Cuts::Unpaired),
             ("propagation", BLUE, Method::Propagate, Cuts::Charts),
             ("diffusion", GREEN, Method::Diffuse, Cuts::Charts),
             ("arc length", BLACK, Method::Arclength, Cuts::Charts),
@@ -72,7 +76,7 @@ pub(super) fn methods(sheet: &mut Sheet, scenes: &[String], run: &Run) -> Result
             rows.push(Row { name, colour, solved, quality: quality(&film), film, seconds });
         }
         let (curve, again) = curve(&found, &spacing, run)?;
-        sheet.add(plot(&rows, &curve).done(), caption(scene, &rows, again));
+        sheet.add(plot(&rows, &curve), caption(scene, &rows, again));
         values.extend(rows.iter().map(|row| value(scene, row, found_seconds)));
         values.extend(curve.iter().map(|(c, q)| point(scene, *c, q)));
     }
@@ -127,39 +131,26 @@ fn curve(found: &Film, spacing: &[f64], run: &Run) -> Result<(Vec<(f32, Quality)
     Ok((points, least))
 }
 
-fn place(q: &Quality) -> [f32; 2] {
-    let log = |x: f64| (x / SLIDES[0]).ln() / (SLIDES[1] / SLIDES[0]).ln();
-    let (w, h) = (PLOT.0 as f64 - 50.0, PLOT.1 as f64 - 40.0);
+/// Stretch and slide, as the plot shows them.
+fn place(q: &Quality) -> [f64; 2] {
     // A pattern that runs backwards on more than a hundredth of its lines has no stretch to speak of.
-    let stretch = if q.folded > 0.01 { WIDEST } else { q.stretch_p95 };
-    let x = 30.0 + w * (stretch / WIDEST).clamp(0.0, 1.0);
-    let y = 20.0 + h * (1.0 - log(q.slide_p95.max(SLIDES[0])).clamp(0.0, 1.0));
-    [x as f32, y as f32]
+    let stretch = if q.folded > 0.01 { WIDEST } else { q.stretch_p95.min(WIDEST) };
+    [stretch, q.slide_p95.max(LEAST)]
 }
 
-/// Slide upwards (logarithmic), stretch to the right; lines at 0.1, 1, 10 and 100 px and every tenth
-/// of an octave.
-fn plot(rows: &[Row], curve: &[(f32, Quality)]) -> Canvas {
-    let mut canvas = Canvas::new(PLOT);
-    let at = |slide: f64, stretch: f64| {
-        place(&Quality { slide_p95: slide, stretch_p95: stretch, ..Quality::default() })
+/// Slide upwards (logarithmic), stretch to the right.
+fn plot(rows: &[Row], curve: &[(f32, Quality)]) -> Plane<[u8; 3]> {
+    let points = curve.iter().map(|(_, q)| place(q)).collect();
+    let name = "global, coherence from 0 to 1".into();
+    let control = Series { name, colour: RED, points, joined: true };
+    let of_row = |row: &Row| {
+        let (name, points) = (row.name.to_owned(), vec![place(&row.quality)]);
+        Series { name, colour: row.colour, points, joined: false }
     };
-    let line = |points: Vec<[f32; 2]>| Polyline { points, closed: false };
-    let mut grid = Vec::new();
-    for slide in [0.1, 1.0, 10.0, 100.0] {
-        grid.push(line(vec![at(slide, 0.0), at(slide, WIDEST)]));
-    }
-    for tenth in 0..=6 {
-        let stretch = 0.1 * f64::from(tenth);
-        grid.push(line(vec![at(SLIDES[0], stretch), at(SLIDES[1], stretch)]));
-    }
-    canvas.lines(&grid, 0.6, GREY);
-    canvas.lines(&[line(curve.iter().map(|(_, q)| place(q)).collect())], 1.8, RED);
-    for row in rows {
-        let p = place(&row.quality);
-        canvas.lines(&[line(vec![p, [p[0] + 0.01, p[1]]])], 9.0, row.colour);
-    }
-    canvas
+    let series = std::iter::once(control).chain(rows.iter().map(of_row)).collect();
+    let x = Axis { name: "stretch, 95th percentile, octaves", scale: Scale::Linear };
+    let y = Axis { name: "slide, 95th percentile, pixels", scale: Scale::Log };
+    Chart { x, y, series }.draw(PLOT)
 }
 
 fn caption(scene: &str, rows: &[Row], again: f64) -> String {

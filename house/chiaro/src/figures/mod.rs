@@ -233,9 +233,8 @@ fn methods(scenes: &[String], folder: &Path, record: &mut Record, run: &Run) -> 
     Ok(Section {
         title: "Methods".into(),
         text:
-            "Sliding (up, 95th percentile, logarithmic) and stretch (right) of textures. Red: the \
-               global solution over its coherence control; blue: propagation from frame to frame; \
-               green: diffusion; black: arc length. What touches the right side folds."
+            "Sliding (up, 95th percentile, logarithmic) and stretch (right) of textures. What is at \
+               0.6 octaves stretches by more, or folds."
                 .into(),
         pictures: vec![(file, "methods".into())],
     })
