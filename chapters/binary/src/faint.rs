@@ -1,8 +1,20 @@
-//! Lines that go on where what draws them gets fainter: with one threshold a step of nearly that size is
-//! drawn in pieces. After Canny, *A computational approach to edge detection*, 1986.
+//! Lines that go on where what draws them gets fainter: with one threshold a step or a bend of nearly that
+//! size is drawn in pieces. After Canny, *A computational approach to edge detection*, 1986.
+//!
+//! A faint step goes on from any line that it meets. A faint crease goes on from a crease that ends there,
+//! and from nothing else: sides of a prism end at the edges of its caps, and at what stands before them.
 
-/// A pixel's mark where a line may go on to its right; twice that, below.
+/// A pixel's mark where a line may go on to its right along a step; twice that, below.
 pub(crate) const FAINT: u8 = 4;
+
+/// The same along a crease.
+pub(crate) const FAINT_CREASE: u8 = 16;
+
+/// A crease that is drawn.
+pub(crate) const CREASE: u8 = DRAWN | 64;
+
+/// What is drawn.
+const DRAWN: u8 = 1;
 
 /// A mark's pixel, and on which side: 0 to its right, 1 below.
 type Mark = (usize, usize, usize);
@@ -10,34 +22,57 @@ type Mark = (usize, usize, usize);
 /// Draws the faint marks that hang together with drawn ones (1: to the right, 2: below), and drops the
 /// others. `marks` are rows of `width` pixels.
 pub(crate) fn go_on(marks: &mut [u8], width: usize) {
-    let height = marks.len() / width.max(1);
-    let is = |marks: &[u8], (x, y, side): Mark, kind: u8| marks[y * width + x] & kind << side != 0;
+    let size = (width, marks.len() / width.max(1));
     let mut open: Vec<Mark> = Vec::new();
-    let all = (0..marks.len()).filter(|i| marks[*i] >= FAINT);
+    let faint = |mark: u8| mark & (3 * (FAINT | FAINT_CREASE)) != 0;
+    let all = (0..marks.len()).filter(|i| faint(marks[*i]));
     for (x, y) in all.map(|i| (i % width, i / width)) {
-        let faint = [(x, y, 0), (x, y, 1)].into_iter().filter(|m| is(marks, *m, FAINT));
-        let meets = |m: &Mark| beside(*m, (width, height)).any(|other| is(marks, other, 1));
-        open.extend(faint.filter(meets));
+        let sides = [(x, y, 0), (x, y, 1)].into_iter();
+        open.extend(sides.filter(|m| goes_on(marks, *m, size)));
     }
     while let Some(mark) = open.pop() {
         let (x, y, side) = mark;
-        if is(marks, mark, FAINT) {
+        if is(marks, width, mark, FAINT | FAINT_CREASE) {
+            let drawn = if is(marks, width, mark, FAINT_CREASE) { CREASE } else { DRAWN };
             let pixel = &mut marks[y * width + x];
-            *pixel = (*pixel | 1 << side) & !(FAINT << side);
-            open.extend(beside(mark, (width, height)).filter(|other| is(marks, *other, FAINT)));
+            *pixel = (*pixel | drawn << side) & !((FAINT | FAINT_CREASE) << side);
+            let next = ends(mark, size).into_iter().flatten().flatten();
+            open.extend(next.filter(|other| goes_on(marks, *other, size)));
         }
     }
     marks.iter_mut().for_each(|mark| *mark &= FAINT - 1);
 }
 
-/// The marks that meet one at its two ends, itself among them.
-fn beside((x, y, side): Mark, (w, h): (usize, usize)) -> impl Iterator<Item = Mark> {
+/// Whether a mark is of one of some kinds.
+fn is(marks: &[u8], width: usize, (x, y, side): Mark, kinds: u8) -> bool {
+    marks[y * width + x] & kinds << side != 0
+}
+
+/// Whether a mark is faint and goes on from a drawn one.
+fn goes_on(marks: &[u8], mark: Mark, size: (usize, usize)) -> bool {
+    let is = |m: &Mark, kinds| is(marks, size.0, *m, kinds);
+    let around = ends(mark, size).map(|end| end.into_iter().flatten().filter(|m| *m != mark));
+    if is(&mark, FAINT) {
+        return around.into_iter().flatten().any(|m| is(&m, DRAWN));
+    }
+    let any = DRAWN | FAINT | FAINT_CREASE;
+    is(&mark, FAINT_CREASE)
+        && around.into_iter().any(|end| {
+            let met: Vec<Mark> = end.filter(|m| is(m, any)).collect();
+            met.len() == 1 && is(&met[0], CREASE - DRAWN)
+        })
+}
+
+/// The marks that meet one at each of its two ends, itself among them.
+fn ends((x, y, side): Mark, (w, h): (usize, usize)) -> [[Option<Mark>; 4]; 2] {
     // A mark's ends are corners of pixels: the lower right one of its own, and the one above or left.
-    let ends = [(x + 1, y + 1), if side == 0 { (x + 1, y) } else { (x, y + 1) }];
-    ends.into_iter().flat_map(move |(x, y)| {
+    let corners = [(x + 1, y + 1), if side == 0 { (x + 1, y) } else { (x, y + 1) }];
+    corners.map(|(x, y)| {
         let around = [(x, y, 0), (x, y + 1, 0), (x, y, 1), (x + 1, y, 1)];
-        let inside = move |(x, y, _): &Mark| (1..=w).contains(x) && (1..=h).contains(y);
-        around.into_iter().filter(inside).map(|(x, y, side)| (x - 1, y - 1, side))
+        around.map(|(x, y, side)| {
+            let inside = (1..=w).contains(&x) && (1..=h).contains(&y);
+            inside.then(|| (x - 1, y - 1, side))
+        })
     })
 }
 
@@ -68,5 +103,24 @@ mod tests {
             assert_eq!(*mark, drawn(i % w, i / w), "{} {}", i % w, i / w);
         }
         go_on(&mut [], 0);
+    }
+
+    #[test]
+    fn a_faint_crease_goes_on_from_a_crease_that_ends_and_from_nothing_else() {
+        // A line along rows 2 and 3 that gets faint after column 4, and a faint one down from it.
+        let (w, h) = (10, 8);
+        for drawn in [CREASE, DRAWN] {
+            let mut marks = vec![0u8; w * h];
+            for x in 0..8 {
+                marks[2 * w + x] = if x < 5 { drawn << 1 } else { FAINT_CREASE << 1 };
+            }
+            for y in 3..7 {
+                marks[y * w + 1] = FAINT_CREASE;
+            }
+            go_on(&mut marks, w);
+            let along = (0..8).filter(|x| marks[2 * w + x] == 2).count();
+            assert_eq!(along, if drawn == CREASE { 8 } else { 5 });
+            assert!((3..7).all(|y| marks[y * w + 1] == 0));
+        }
     }
 }

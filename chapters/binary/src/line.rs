@@ -8,7 +8,7 @@
 //! cut a sliver off, gets none. A crease beside a step or another object, nearer than a line is wide,
 //! leaves the line to that.
 
-use crate::faint::{FAINT, go_on};
+use crate::faint::{CREASE, FAINT, FAINT_CREASE, go_on};
 use crate::geometry::{angle, depth_step};
 use crate::halo::behind;
 use crate::knob::{BinaryKnobs, DepthForm, scaled};
@@ -27,8 +27,10 @@ const LEAST_DASH: f32 = 3.0;
 const MAP_REACH: f32 = 2.0;
 /// How far from the middle of a line a region must reach on either side, in widths of the line.
 const ROOM: f32 = 1.25;
-/// Lines go on where a depth step is over so much of the least that draws one.
+/// Lines go on where a depth step is over so much of the least that draws one, and creases where a bend
+/// is: at 40 degrees, over 32, so that sides of cylinders of twelve faces are none.
 const FAINTEST: f32 = 0.5;
+const FAINTEST_BEND: f32 = 0.8;
 
 /// Lines to be drawn.
 #[derive(Clone, Debug, Default)]
@@ -147,7 +149,7 @@ impl Features {
         let finder = Finder {
             buffer,
             knobs,
-            least_cos: knobs.line_crease.to_radians().min(PI).cos() + 1e-3,
+            least_cos: least_bend(knobs).to_radians().min(PI).cos() + 1e-3,
             half_height: half_heights(buffer),
         };
         let mut marks = vec![0u8; w * h];
@@ -216,8 +218,17 @@ fn half_heights(buffer: &GBuffer) -> [f32; 2] {
     [near, far - near]
 }
 
+/// The least bend along which a line goes on, degrees.
+fn least_bend(knobs: &BinaryKnobs) -> f32 {
+    let asked = knobs.line_crease;
+    match asked > 180.0 {
+        true => asked,
+        false => FAINTEST_BEND * asked,
+    }
+}
+
 impl Finder<'_> {
-    /// 1 where a line runs, [`FAINT`] where one may go on, else 0.
+    /// 1 or [`CREASE`] where a line runs, [`FAINT`] or [`FAINT_CREASE`] where one may go on, else 0.
     fn line(&self, p: Pixel, q: Pixel) -> u8 {
         match (self.buffer.covered[p], self.buffer.covered[q]) {
             (true, true) => self.inner_line(p, q),
@@ -233,10 +244,16 @@ impl Finder<'_> {
             return 1;
         }
         let step = self.step(p, q);
-        if step > 1.0 || (self.is_crease(p, q) && !self.is_beside_edge(p, q)) {
+        if step > 1.0 {
             return 1;
         }
-        if step > 0.0 { FAINT } else { 0 }
+        let bend = self.crease(p, q).filter(|_| !self.is_beside_edge(p, q));
+        match bend {
+            Some(bend) if bend >= k.line_crease => CREASE,
+            _ if step > 0.0 => FAINT,
+            Some(_) => FAINT_CREASE,
+            None => 0,
+        }
     }
 
     /// Whether a step, another object or the outline runs along a pair of pixels, nearer than a line
@@ -325,18 +342,17 @@ impl Finder<'_> {
         pixel / facing.abs().max(1e-3)
     }
 
-    /// A crease of the smooth surface: a bend over one pixel that its surroundings do not share. Of the
-    /// two beside a pixel of a face seen edge-on, which is as deep as a step, the greater one, else the
-    /// first.
-    fn is_crease(&self, p: Pixel, q: Pixel) -> bool {
-        let limit = self.knobs.line_crease.to_radians();
+    /// The bend in degrees of a crease of the smooth surface, drawn or faint: a bend over one pixel that
+    /// its surroundings do not share. Of the two beside a pixel of a face seen edge-on, which is as deep
+    /// as a step, the greater one, else the first.
+    fn crease(&self, p: Pixel, q: Pixel) -> Option<f32> {
         let n = &self.buffer.smooth_normal;
         if Vec3::from(n[p]).dot(Vec3::from(n[q])) > self.least_cos {
-            return false;
+            return None;
         }
         let here = self.bend(p, q);
-        if here < limit {
-            return false;
+        if here < least_bend(self.knobs).to_radians() {
+            return None;
         }
         let (dx, dy) = (q.0 as isize - p.0 as isize, q.1 as isize - p.1 as isize);
         let beyond = |at: Pixel, steps: isize| -> f32 {
@@ -349,12 +365,13 @@ impl Finder<'_> {
         let is_quiet = |bend: f32| bend < 0.5 * here;
         let is_deep = |at| self.depth_range(at) > self.limit(at);
         let (before, after) = (beyond(p, -1), beyond(q, 1));
-        match (is_quiet(before), is_quiet(after)) {
+        let is_crease = match (is_quiet(before), is_quiet(after)) {
             (true, true) => true,
             (true, false) => after <= here && is_deep(q) && is_quiet(beyond(q, 2)),
             (false, true) => before < here && is_deep(p) && is_quiet(beyond(p, -2)),
             (false, false) => false,
-        }
+        };
+        is_crease.then_some(here.to_degrees())
     }
 
     fn bend(&self, p: Pixel, q: Pixel) -> f32 {
@@ -467,6 +484,36 @@ mod tests {
         assert_eq!(drawn(0.12 * seen, 0.12 * seen), side);
         assert_eq!(drawn(0.12 * seen, 0.07 * seen), side, "it goes on");
         assert_eq!(drawn(0.09 * seen, 0.07 * seen), 0, "too little to begin with");
+    }
+
+    #[test]
+    fn a_crease_goes_on_where_it_bends_less() {
+        // A roof whose eaves bend by so many degrees at the left and at the right.
+        let drawn = |left: f32, right: f32, crease: f32| {
+            let side = 64usize;
+            let projection = Projection::Orthographic { half_height: 0.32 };
+            let pose = Pose::look_at(Vec3::Z * 20.0, Vec3::ZERO, Vec3::Y, projection);
+            let mut buffer = GBuffer::empty(&pose, 1.0, (side, side));
+            for (x, y) in (0..side * side).map(|i| (i % side, i / side)) {
+                let bend = (left + (right - left) * x as f32 / side as f32).to_radians();
+                let p = (x, y);
+                let normal = if y < 30 { [0.0, bend.sin(), bend.cos()] } else { [0.0, 0.0, 1.0] };
+                buffer.covered[p] = true;
+                buffer.object[p] = 1;
+                buffer.depth[p] = 20.0;
+                buffer.position[p] = [0.01 * x as f32, -0.01 * y as f32, 0.0];
+                buffer.geometric_normal[p] = normal;
+                buffer.smooth_normal[p] = normal;
+            }
+            let knobs = BinaryKnobs { line_crease: crease, ..BinaryKnobs::default() };
+            let marks = Features::find(&buffer, &knobs).marks;
+            (0..side).filter(|x| marks[(*x, 29)] & 2 != 0).count()
+        };
+        assert_eq!(drawn(50.0, 50.0, 40.0), 64);
+        assert_eq!(drawn(50.0, 33.0, 40.0), 64, "it goes on");
+        assert_eq!(drawn(38.0, 33.0, 40.0), 0, "too little to begin with");
+        assert!(drawn(50.0, 25.0, 40.0) < 50, "it ends");
+        assert_eq!(drawn(100.0, 95.0, 181.0), 0, "none");
     }
 
     /// How many columns draw no line along the lower edge of a board, `thick` before a wall and seen a
