@@ -387,4 +387,42 @@ mod tests {
         assert_eq!(holes.len(), 2, "one a line");
         assert!(holes.iter().all(|hole| hole.len() == 1));
     }
+
+    #[test]
+    fn hatching_of_each_lighter_colour_is_turned() {
+        let style = Style::find("ink").unwrap();
+        let look = Look::of(&style);
+        let labels = Plane::from_fn(120, 80, |x, _| u8::from(x >= 60));
+        let covered = labels.map(|_| true);
+        let knobs = BinaryKnobs {
+            hatch_angle: 20.0,
+            hatch_turn: 50.0,
+            hatch_outline: false,
+            ..BinaryKnobs::default()
+        };
+        let plate = Plate {
+            labels: &labels,
+            covered: &covered,
+            colours: &[[0.0, 0.0, 0.0, 1.0], [0.5, 0.5, 0.5, 1.0]],
+            lines: &Lines::default(),
+            map: None,
+            scheme: &look.colours,
+        };
+        let place = look.print.sheet.place(labels.size()).unwrap();
+        let (drawn, _) = layers(&plate, &knobs, Some(0.3), &place);
+        assert_eq!(drawn.len(), 2);
+        for (layer, wanted) in drawn.iter().zip([20.0, 70.0]) {
+            // Strokes may be joined at their ends: the longest straight piece tells.
+            let sides = layer.marks.iter().flat_map(|mark| {
+                let Mark::Stroke { path, .. } = mark else { return Vec::new() };
+                let points = path.points(0.01);
+                points.windows(2).map(|p| [p[1][0] - p[0][0], p[1][1] - p[0][1]]).collect()
+            });
+            let length = |[x, y]: &[f64; 2]| x.hypot(*y);
+            let long = sides.max_by(|a, b| length(a).total_cmp(&length(b)));
+            let [x, y] = long.unwrap();
+            let degrees = y.atan2(x).to_degrees().rem_euclid(180.0);
+            assert!((degrees - wanted).abs() < 1.0, "{degrees} for {wanted}");
+        }
+    }
 }
