@@ -9,7 +9,7 @@
 //! Whatever light it gets, a side is dead too when everything drawn lies on or behind its plane: no surface
 //! sees it. Under a sky that is the underside of a ground and the outside of a room. And when little but a
 //! lamp close by is before it: what a double-sided one lights between itself and a ceiling is as bright as itself, and
-//! hidden by so little that it would be seen through it.
+//! hidden by so little that it would be seen through it. So would the inside of a lampshade.
 //!
 //! A dark side lives but is covered where nearly all rays end a few spacings above its plane: what it sends is told by `cover`.
 //!
@@ -30,9 +30,12 @@ pub(crate) const NARROW: f32 = 8.0;
 const LONG: f32 = 16.0;
 
 /// How near a lamp hides a side, in radii of the bounds or in spacings, whichever is more; the share of rays that must
-/// pass it; and the most of such a lamp, the root of its area in radii.
+/// go farther; the share that must meet it; how many times as many rays tell, where some do; and the most of such a
+/// lamp, the root of its area in radii.
 const CLOSE: f32 = 0.1;
 const PASS: f32 = 0.4;
+const MEET: f32 = 0.25;
+const SURER: u32 = 4;
 const LAMP: f32 = 0.5;
 
 /// What rays from a side met.
@@ -119,7 +122,8 @@ fn above(bounds: &Bounds, position: Vec3, normal: Vec3) -> f32 {
     (farthest - position).dot(normal)
 }
 
-/// Whether nearly all of some rays meet what shines within a distance.
+/// Whether little but a lamp is before a side: few of some rays go farther than a distance, and many meet what shines
+/// within it. The first of them tell whether there is a lamp at all.
 fn is_behind_a_lamp(
     lit: &Lit,
     (position, normal): (Vec3, Vec3),
@@ -127,13 +131,19 @@ fn is_behind_a_lamp(
     rays: u32,
     point: impl Fn(u32) -> [f32; 2],
 ) -> bool {
-    let passes = |k: &u32| {
-        let ray = ray(lit, position, normal, cosine_direction(normal, point(*k)), close);
-        let hit = lit.tracer.hit(&ray, Sides::Both);
-        hit.and_then(|hit| lit.lights.glow.find(&hit)).is_none()
-    };
-    let enough = (PASS * rays as f32).ceil() as usize;
-    (0..rays).filter(passes).take(enough).count() < enough
+    let (mut passed, mut lamps) = (0, 0);
+    for k in 0..SURER * rays {
+        if k == rays && lamps == 0 {
+            return false;
+        }
+        let ray = ray(lit, position, normal, cosine_direction(normal, point(k)), close);
+        match lit.tracer.hit(&ray, Sides::Both) {
+            Some(hit) => lamps += u32::from(lit.lights.glow.find(&hit).is_some()),
+            None => passed += 1,
+        }
+    }
+    let all = (SURER * rays) as f32;
+    (passed as f32) < PASS * all && lamps as f32 >= MEET * all
 }
 
 fn ray(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, t_max: f32) -> Ray {
