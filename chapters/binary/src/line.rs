@@ -343,8 +343,8 @@ impl Finder<'_> {
     }
 
     /// The bend in degrees of a crease of the smooth surface, drawn or faint: a bend over one pixel that
-    /// its surroundings do not share. Of the two beside a pixel that lies on an edge, with a normal between
-    /// those of its faces, or on a face seen edge-on, the greater one, else the first.
+    /// its surroundings do not share. Of the two beside a pixel of a face seen edge-on, which is as deep
+    /// as a step, the greater one, else the first.
     fn crease(&self, p: Pixel, q: Pixel) -> Option<f32> {
         let n = &self.buffer.smooth_normal;
         if Vec3::from(n[p]).dot(Vec3::from(n[q])) > self.least_cos {
@@ -363,11 +363,12 @@ impl Finder<'_> {
             if is_covered(a) && is_covered(b) { self.bend(index(a), index(b)) } else { 0.0 }
         };
         let is_quiet = |bend: f32| bend < 0.5 * here;
+        let is_deep = |at| self.depth_range(at) > self.limit(at);
         let (before, after) = (beyond(p, -1), beyond(q, 1));
         let is_crease = match (is_quiet(before), is_quiet(after)) {
             (true, true) => true,
-            (true, false) => after <= here && is_quiet(beyond(q, 2)),
-            (false, true) => before < here && is_quiet(beyond(p, -2)),
+            (true, false) => after <= here && is_deep(q) && is_quiet(beyond(q, 2)),
+            (false, true) => before < here && is_deep(p) && is_quiet(beyond(p, -2)),
             (false, false) => false,
         };
         is_crease.then_some(here.to_degrees())
@@ -513,36 +514,6 @@ mod tests {
         assert_eq!(drawn(38.0, 33.0, 40.0), 0, "too little to begin with");
         assert!(drawn(50.0, 25.0, 40.0) < 50, "it ends");
         assert_eq!(drawn(100.0, 95.0, 181.0), 0, "none");
-    }
-
-    #[test]
-    fn creases_run_on_through_pixels_with_a_normal_between() {
-        // Eaves that bend by 90 degrees; in some columns a pixel lies on them.
-        let side = 64usize;
-        let projection = Projection::Orthographic { half_height: 0.32 };
-        let pose = Pose::look_at(Vec3::Z * 20.0, Vec3::ZERO, Vec3::Y, projection);
-        let mut buffer = GBuffer::empty(&pose, 1.0, (side, side));
-        for (x, y) in (0..side * side).map(|i| (i % side, i / side)) {
-            let bend = match y {
-                30 => [90.0, 60.0, 45.0, 30.0][x / 16],
-                _ if y < 30 => 90.0,
-                _ => 0.0f32,
-            };
-            let p = (x, y);
-            buffer.covered[p] = true;
-            buffer.object[p] = 1;
-            buffer.depth[p] = 20.0;
-            buffer.position[p] = [0.01 * x as f32, -0.01 * y as f32, 0.0];
-            buffer.smooth_normal[p] = [0.0, bend.to_radians().sin(), bend.to_radians().cos()];
-            buffer.geometric_normal[p] = buffer.smooth_normal[p];
-        }
-        // Pixels are less deep than a step, as in large pictures.
-        let knobs = BinaryKnobs { line_depth: 0.1, ..BinaryKnobs::default() };
-        let marks = Features::find(&buffer, &knobs).marks;
-        for x in 0..side {
-            let drawn = (0..side).filter(|y| marks[(x, *y)] & 2 != 0).count();
-            assert_eq!(drawn, 1, "column {x}");
-        }
     }
 
     /// How many columns draw no line along the lower edge of a board, `thick` before a wall and seen a
