@@ -4,6 +4,7 @@ use crate::args::{
     Cli, Command, InkArgs, LightArgs, MapArgs, MarksArgs, PrintArgs, SceneArgs, StencilArgs,
     StyleAction, colour,
 };
+use crate::spared;
 use chiaro::binary::{self, Look};
 use chiaro::film::Target;
 use chiaro::given::{self, Given, Sequence};
@@ -18,6 +19,7 @@ use std::path::Path;
 
 /// Runs a command; the record of those that have one.
 pub(crate) fn run(command: &Command, run: &Run) -> Result<Option<Record>> {
+    spared::check(command)?;
     match command {
         Command::Demo { output, .. } => demo::demo(output, run).map(Some),
         Command::Info { scene, .. } => {

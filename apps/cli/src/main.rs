@@ -7,6 +7,7 @@
 mod args;
 mod command;
 mod progress;
+mod spared;
 mod watch;
 
 use args::{Cli, Command};

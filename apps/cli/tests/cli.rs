@@ -495,6 +495,27 @@ fn pictures_of_one_row_or_column_are_drawn() {
     }
 }
 
+#[test]
+fn what_is_read_is_not_written_over() {
+    let dir = folder();
+    let cube = std::fs::read(dir.path().join("cube.obj")).unwrap();
+    chiaro(dir.path(), &["light", "cube.obj", "-o", "env.png", "--size", "16x8", "-q"]);
+    let picture = std::fs::read(dir.path().join("env.png")).unwrap();
+    for args in [
+        &["light", "cube.obj", "--env", "env.png", "-o", "./env.png"][..],
+        &["light", "cube.obj", "-o", "a.png", "--bake", "cube.obj"],
+        &["binary", "cube.obj", "-o", "a.png", "--json", "cube.obj"],
+        &["lines", "cube.obj", "-o", "cube.obj"],
+    ] {
+        let output = chiaro(dir.path(), args);
+        assert_eq!(output.status.code(), Some(1), "{args:?}");
+        assert!(stderr(&output).contains("would be written over"), "{}", stderr(&output));
+        assert_eq!(stderr(&output).lines().count(), 1, "{}", stderr(&output));
+    }
+    assert_eq!(std::fs::read(dir.path().join("cube.obj")).unwrap(), cube);
+    assert_eq!(std::fs::read(dir.path().join("env.png")).unwrap(), picture);
+}
+
 #[cfg(unix)]
 #[test]
 fn films_in_one_file_are_ours_or_the_encoders() {
