@@ -142,11 +142,11 @@ impl Costs<'_> {
 
     /// The capacity of a pixel's link among sixteen, by [`LINK_STEPS`].
     fn link(&self, p: Pixel, link: usize) -> i32 {
-        let share = |capacity: i32, share: f32| (capacity as f32 * share).round() as i32;
+        let share = |capacity: i32, share: f32| nearest(capacity as f32 * share);
         match link {
             0 | 2 => share(self.neighbour[p][link], STRAIGHT),
             1 | 3 => share(self.neighbour[p][link], DIAGONAL),
-            knight => (self.passage(p, WAYS[knight - 4]) * KNIGHT).round() as i32,
+            knight => nearest(self.passage(p, WAYS[knight - 4]) * KNIGHT),
         }
     }
 
@@ -169,9 +169,8 @@ impl Costs<'_> {
         let [east, south_east, south, south_west] = here[x];
         let straight = |capacity: i32| capacity as f32;
         let diagonal = |capacity: i32| SQRT_2 * capacity as f32;
-        let way =
-            |a: f32, b: f32, c: f32, d: f32| (f32::max(a.min(b), c.min(d)) * KNIGHT).round() as i32;
-        let share = |capacity: i32, share: f32| (capacity as f32 * share).round() as i32;
+        let way = |a: f32, b: f32, c: f32, d: f32| nearest(f32::max(a.min(b), c.min(d)) * KNIGHT);
+        let share = |capacity: i32, share: f32| nearest(capacity as f32 * share);
         let (se, sw) = (diagonal(south_east), diagonal(south_west));
         let (s, after_s) = (straight(south), below[x]);
         let (after_se, after_sw, after_w) = (below[x + 1], below[x - 1], here[x - 1]);
@@ -215,6 +214,13 @@ impl Costs<'_> {
             _ => self.neighbour[q][0] as f32,
         })
     }
+}
+
+/// The whole number nearest to a positive one, as `round` says, which not every processor has an
+/// instruction for.
+fn nearest(value: f32) -> i32 {
+    let whole = value as i32;
+    whole + i32::from(value - whole as f32 >= 0.5)
 }
 
 /// Rows that are cut together, pass by pass: all, or parts of a large picture and then what is
