@@ -1,6 +1,6 @@
 //! [`Camera`] as a file has it, and [`Pose`]: a camera in world space at one time.
 
-use crate::NodeId;
+use crate::{Lens, NodeId};
 use chiaro_basis::math::{DAffine3, DMat3, DVec3, Mat4, Vec3, Vec4};
 
 /// A camera at a node; it looks along the node's -z with y up.
@@ -100,26 +100,17 @@ impl Pose {
     /// Origin and unit direction of the ray through the pixel position (`x`, `y`), pixel centres
     /// at + 0.5, y down.
     pub fn ray(&self, x: f32, y: f32, width: f32, height: f32) -> (Vec3, Vec3) {
-        let (sx, sy) = ((2.0 * x - width) / height, (height - 2.0 * y) / height);
-        match self.projection {
-            Projection::Perspective { fov_y } => {
-                let t = (0.5 * fov_y).tan();
-                let d = self.forward + self.right * (sx * t) + self.up * (sy * t);
-                (self.position, d.normalize())
-            }
-            Projection::Orthographic { half_height } => {
-                let offset = self.right * (sx * half_height) + self.up * (sy * half_height);
-                (self.position + offset, self.forward)
-            }
-        }
+        self.lens(width, height).ray(x, y)
     }
 
     /// The size of a pixel at depth `z`, in scene units.
     pub fn pixel_size(&self, z: f32, height: f32) -> f32 {
-        match self.projection {
-            Projection::Perspective { fov_y } => 2.0 * z * (0.5 * fov_y).tan() / height,
-            Projection::Orthographic { half_height } => 2.0 * half_height / height,
-        }
+        self.lens(height, height).pixel_size(z)
+    }
+
+    /// The camera before a picture of `width` x `height` pixels.
+    pub fn lens(&self, width: f32, height: f32) -> Lens {
+        Lens::new(*self, width, height)
     }
 
     /// The matrix from world to clip space for a picture of this `aspect` (width over height): x

@@ -14,6 +14,7 @@ mod camera;
 mod cloud;
 pub mod demo;
 mod frame;
+mod lens;
 mod light;
 pub mod load;
 mod material;
@@ -28,6 +29,7 @@ mod track;
 
 pub use camera::{Camera, Pose, Projection};
 pub use frame::{Frame, Object, Shape};
+pub use lens::Lens;
 pub use light::{Light, LightKind};
 pub use material::{Alpha, Filter, Material, Texture, TextureUse, Wrap};
 pub use mesh::{Influences, Mesh, Morph, NormalSource, Remake};

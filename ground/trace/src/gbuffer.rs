@@ -8,7 +8,7 @@ use crate::tracer::{Hit, Ray, Tracer};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_image::Plane;
-use chiaro_scene::Pose;
+use chiaro_scene::{Lens, Pose};
 use rayon::prelude::*;
 
 /// What a camera sees. All planes have the picture's size.
@@ -57,13 +57,15 @@ impl GBuffer {
         (width, height): (usize, usize),
         run: &Run,
     ) -> Result<Self> {
-        let mut buffer = Self::empty(pose, tracer.frame.bounds().radius(), (width, height));
+        let bounds = tracer.frame.bounds();
+        let mut buffer = Self::empty(pose, bounds.radius(), (width, height));
+        let lens = pose.lens(width as f32, height as f32);
+        let [columns, lines] = lens.window(&bounds);
         let rows: Vec<Row> = buffer.rows().collect();
         rows.into_par_iter().enumerate().try_for_each(|(y, mut row)| {
             run.check()?;
-            for x in 0..width {
-                if let Some((hit, surface)) = pixel(tracer, surfaces, pose, (x, y), (width, height))
-                {
+            for x in columns.clone().filter(|_| lines.contains(&y)) {
+                if let Some((hit, surface)) = pixel(tracer, surfaces, &lens, (x, y)) {
                     row.set(x, hit, &surface, pose);
                 }
             }
@@ -224,16 +226,15 @@ impl Row<'_> {
 fn pixel(
     tracer: &Tracer,
     surfaces: &Surfaces,
-    pose: &Pose,
+    lens: &Lens,
     (x, y): (usize, usize),
-    (width, height): (usize, usize),
 ) -> Option<(Hit, Surface)> {
-    let (w, h) = (width as f32, height as f32);
-    let (origin, direction) = pose.ray(x as f32 + 0.5, y as f32 + 0.5, w, h);
+    let Lens { pose, .. } = lens;
+    let (origin, direction) = lens.ray(x as f32 + 0.5, y as f32 + 0.5);
     let start = pose.near / direction.dot(pose.forward);
     let ray = Ray { origin: origin + direction * start, direction, t_max: f32::INFINITY };
     let hit = tracer.seen(&ray)?;
     let depth = (start + hit.t) * direction.dot(pose.forward);
-    let surface = surfaces.at(tracer, &hit, direction, pose.pixel_size(depth, h));
+    let surface = surfaces.at(tracer, &hit, direction, lens.pixel_size(depth));
     Some((hit, surface))
 }
