@@ -173,6 +173,70 @@ fn meet(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, spacing: f32, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::indirect::prepare;
+    use crate::knob::LightKnobs;
+    use crate::site::sites;
+    use chiaro_basis::Run;
+    use chiaro_basis::math::vec3;
+    use chiaro_scene::{Material, MaterialId, Mesh, MeshId, Node, Playback, Scene};
+    use chiaro_trace::{Glow, Lights, Surfaces, Tracer};
+    use std::f32::consts::TAU;
+
+    /// Around the y axis, open at both ends, of 24 sides.
+    fn tube(mesh: &mut Mesh, radius: f32, half: f32, material: usize) {
+        let at = |k: u32, y: f32| {
+            let (sin, cos) = (TAU * k as f32 / 24.0).sin_cos();
+            vec3(radius * cos, y, radius * sin)
+        };
+        for k in 0..24 {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend([at(k, -half), at(k, half), at(k + 1, half), at(k + 1, -half)]);
+            mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|f| f.map(|v: u32| first + v)));
+            mesh.materials.extend([MaterialId::new(material); 2]);
+        }
+    }
+
+    #[test]
+    fn the_inside_of_a_lampshade_is_dead_and_its_outside_and_a_wall_live() {
+        let mut mesh = Mesh::default();
+        tube(&mut mesh, 0.2, 0.2, 0);
+        tube(&mut mesh, 0.12, 0.15, 1);
+        let floor = [[-3.0, -3.0], [-3.0, 3.0], [3.0, 3.0], [3.0, -3.0]];
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(floor.map(|[x, z]| vec3(x, -1.0, z)));
+        mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|f| f.map(|v: u32| first + v)));
+        mesh.materials.extend([MaterialId::new(0); 2]);
+        let lamp = Material { emissive: [9.0; 3], ..Material::default() };
+        let node = Node { mesh: Some(MeshId::new(0)), ..Node::default() };
+        let scene = Scene {
+            materials: vec![Material::default(), lamp],
+            meshes: vec![mesh],
+            nodes: vec![node],
+            ..Scene::default()
+        };
+        let frame = scene.frame(0.0, &Playback::default());
+        let tracer = Tracer::new(&scene, &frame);
+        let surfaces = Surfaces::new(&scene);
+        let lights = Lights { glow: Glow::of(&tracer, &surfaces), ..Lights::default() };
+        let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
+        let knobs = LightKnobs { bounces: 1, ..LightKnobs::default() };
+        let all = sites(&scene, &frame, 20_000);
+        let found = prepare(lit, &all, &knobs, &Run::default()).unwrap().surfels;
+        let (mut inside, mut dead) = (0, 0);
+        for s in &found.all {
+            let out = Vec3::new(s.position.x, 0.0, s.position.z);
+            if s.position.y < -0.9 {
+                let is_lit = out.length() < 0.4;
+                assert!(!is_lit || s.alive[usize::from(s.normal.y < 0.0)], "{}", s.position);
+            } else if out.length() > 0.15 {
+                let inner = usize::from(s.normal.dot(out) > 0.0);
+                inside += 1;
+                dead += usize::from(!s.alive[inner]);
+                assert!(s.alive[1 - inner] || s.radiance[1 - inner] == [0.0; 3], "{}", s.position);
+            }
+        }
+        assert!(inside > 100 && 10 * dead > 6 * inside, "{dead} of {inside}");
+    }
 
     #[test]
     fn bounds_reach_above_planes_inside_them_and_not_above_their_own() {
