@@ -3,7 +3,7 @@
 //!
 //! 1. *Convexity*: on a crossed face, take grad g . (C - p), g linear on the face. Where it is
 //!    negative the silhouette lies on the concave side of a fold, and of a solid that is never seen
-//!    ([`Solids`]). A crease's strip takes the sign of the dihedral angle instead.
+//!    (`solid`). A crease's strip takes the sign of the dihedral angle instead.
 //! 2. *Push*: visibility is asked from p + h n, h = 0.3 max |(p_j - p_i) . n_i| over the one-rings of
 //!    the face's vertices (p - h n where the fold is seen from the back): half of the faces that a
 //!    silhouette crosses turn away from the camera, and would hide it.
