@@ -1,51 +1,39 @@
-//! Files that a command reads are not written over by it.
+//! Which files a command names to read and to write: none is to be both.
 
 use crate::args::Command;
-use chiaro_basis::{Error, Result};
-use std::path::Path;
+use chiaro::film::spare;
+use chiaro_basis::Result;
+use std::path::{Path, PathBuf};
 
 /// An error where an option names a file to write that another one names to read.
 pub(crate) fn check(command: &Command) -> Result<()> {
-    let same = |path: &Path| path.canonicalize().ok();
-    let read: Vec<_> = read(command).into_iter().filter_map(same).collect();
-    let lost = |path: &Path| same(path).is_some_and(|p| read.contains(&p));
-    match written(command).into_iter().find(|(_, path)| lost(path)) {
-        Some((option, path)) => {
-            let range = "another file: this one is read, and would be written over";
-            Err(Error::setting(option, path.display(), range))
-        }
-        None => Ok(()),
-    }
+    spare(written(command), read(command))
 }
 
-fn read(command: &Command) -> Vec<&Path> {
-    let mut read: Vec<&Path> = command.scene().map(|s| Path::new(&s.scene)).into_iter().collect();
+fn read(command: &Command) -> Vec<PathBuf> {
+    let mut read: Vec<PathBuf> =
+        command.scene().map(|s| s.scene.clone().into()).into_iter().collect();
     match command {
         Command::Light { light, .. } => {
-            read.extend([&light.env, &light.tree].into_iter().flatten().map(|p| p.as_path()));
+            read.extend([&light.env, &light.tree].into_iter().flatten().cloned())
         }
-        Command::Compare { a, b, .. } => read.extend([a.as_path(), b.as_path()]),
-        Command::Mincut { file, .. } => read.push(file),
+        Command::Compare { a, b, .. } => read.extend([a.clone(), b.clone()]),
+        Command::Mincut { file, .. } => read.push(file.clone()),
         _ => {}
     }
     read
 }
 
-fn written(command: &Command) -> Vec<(&'static str, &Path)> {
+fn written(command: &Command) -> Vec<(&'static str, PathBuf)> {
     let json = command.common().and_then(|c| c.json.as_deref()).filter(|j| *j != "-");
-    let mut written: Vec<_> = json.map(|j| ("--json", Path::new(j))).into_iter().collect();
-    match command {
+    let (output, bake): (Option<&Path>, Option<&Path>) = match command {
         Command::Gbuffer { output, .. }
         | Command::Binary { output, .. }
-        | Command::Lines { output, .. } => written.push(("-o", output)),
-        Command::Light { output, light, .. } => {
-            written.push(("-o", output));
-            written.extend(light.bake.as_deref().map(|p| ("--bake", p)));
-        }
-        Command::Mincut { output, .. } => {
-            written.extend(output.as_deref().map(|p| ("-o", p)));
-        }
-        _ => {}
-    }
-    written
+        | Command::Lines { output, .. } => (Some(output), None),
+        Command::Light { output, light, .. } => (Some(output), light.bake.as_deref()),
+        Command::Mincut { output, .. } => (output.as_deref(), None),
+        _ => (None, None),
+    };
+    let named = [("--json", json.map(Path::new)), ("-o", output), ("--bake", bake)];
+    named.into_iter().filter_map(|(option, path)| Some((option, path?.to_path_buf()))).collect()
 }

@@ -73,8 +73,8 @@ impl Fixed {
         Self { hard: lights.lamps.clone(), shared, glow, suns, sky }
     }
 
-    /// Whether any stand for what is large.
-    fn is_small(&self) -> bool {
+    /// Whether any stand for what has a size.
+    fn is_soft(&self) -> bool {
         !self.glow.is_empty() || !self.sky.is_empty()
     }
 
@@ -265,7 +265,7 @@ pub fn direct_irradiance(
             return [0.0; 3];
         }
         let small = window(buffer, (x, y), [0; 2], TILE, FLAT);
-        let large = if fixed.is_small() { large_window(buffer, (x, y)) } else { None };
+        let large = if fixed.is_soft() { large_window(buffer, (x, y)) } else { None };
         let at = Vertex::of_pixel(tracer, buffer, (x, y));
         let over = |pixels: &Vec<Pixel>| Soft::mean(pixels, |at| raw[at].soft);
         let soft = match &small {

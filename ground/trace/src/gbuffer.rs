@@ -60,11 +60,12 @@ impl GBuffer {
         let bounds = tracer.frame.bounds();
         let mut buffer = Self::empty(pose, bounds.radius(), (width, height));
         let lens = pose.lens(width as f32, height as f32);
-        let [columns, lines] = lens.window(&bounds);
+        let [columns, seen] = lens.window(&bounds);
         let rows: Vec<Row> = buffer.rows().collect();
-        rows.into_par_iter().enumerate().try_for_each(|(y, mut row)| {
+        let rows = rows.into_par_iter().enumerate().filter(|(y, _)| seen.contains(y));
+        rows.try_for_each(|(y, mut row)| {
             run.check()?;
-            for x in columns.clone().filter(|_| lines.contains(&y)) {
+            for x in columns.clone() {
                 if let Some((hit, surface)) = pixel(tracer, surfaces, &lens, (x, y)) {
                     row.set(x, hit, &surface, pose);
                 }

@@ -67,16 +67,7 @@ impl Target {
 
     /// An error if some of the frames would be written over a file that is read for them.
     pub fn spares(&self, frames: &[u32], read: impl IntoIterator<Item = PathBuf>) -> Result<()> {
-        let same = |path: &Path| path.canonicalize().ok();
-        let read: BTreeSet<PathBuf> = read.into_iter().filter_map(|p| same(&p)).collect();
-        let written = frames.iter().map(|f| self.file(*f));
-        match written.into_iter().find(|p| same(p).is_some_and(|p| read.contains(&p))) {
-            Some(path) => {
-                let spared = "another file: this one is read, and would be written over";
-                Err(Error::setting("-o", path.display(), spared))
-            }
-            None => Ok(()),
-        }
+        spare(frames.iter().map(|f| ("-o", self.file(*f))), read)
     }
 
     /// Whether frames become parts of one file.
@@ -89,6 +80,22 @@ impl Target {
         match self {
             Self::Single(p) | Self::Pattern(p) | Self::Animation(p) => extension(p),
         }
+    }
+}
+
+/// An error if a file that an option names to write is one of those that are read.
+pub fn spare<'a>(
+    written: impl IntoIterator<Item = (&'a str, PathBuf)>,
+    read: impl IntoIterator<Item = PathBuf>,
+) -> Result<()> {
+    let same = |path: &Path| path.canonicalize().ok();
+    let read: BTreeSet<PathBuf> = read.into_iter().filter_map(|p| same(&p)).collect();
+    match written.into_iter().find(|(_, p)| same(p).is_some_and(|p| read.contains(&p))) {
+        Some((option, path)) => {
+            let spared = "another file: this one is read, and would be written over";
+            Err(Error::setting(option, path.display(), spared))
+        }
+        None => Ok(()),
     }
 }
 

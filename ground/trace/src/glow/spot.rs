@@ -3,7 +3,7 @@
 //! Where textures shine, points are drawn anew by what the texture shows there: a screen's bright half has the more of
 //! them, and each its own colour.
 
-use super::{Glow, GlowTriangle};
+use super::Glow;
 use crate::surface::Surfaces;
 use crate::tracer::{Hit, Tracer};
 use chiaro_basis::math::Vec3;
@@ -96,8 +96,8 @@ impl Glow {
         let spot = |i: usize| {
             let [u, v] = random::r2(i as u64);
             let point = self.point([(i as f32 + 0.5) / count as f32, u, v])?;
-            let t: &GlowTriangle = &self.triangles[point.triangle];
-            Some(Spot::of(point.position, point.triangle, t.radiance))
+            let radiance = self.triangles[point.triangle].radiance;
+            Some(Spot::of(point.position, point.triangle, radiance))
         };
         ((0..count).filter_map(spot).collect(), share)
     }
