@@ -501,11 +501,17 @@ fn what_is_read_is_not_written_over() {
     let cube = std::fs::read(dir.path().join("cube.obj")).unwrap();
     chiaro(dir.path(), &["light", "cube.obj", "-o", "env.png", "--size", "16x8", "-q"]);
     let picture = std::fs::read(dir.path().join("env.png")).unwrap();
+    let card = "mtllib card.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
+    std::fs::write(dir.path().join("card.obj"), card).unwrap();
+    std::fs::write(dir.path().join("card.mtl"), "newmtl a\nmap_Kd env.png\n").unwrap();
     for args in [
         &["light", "cube.obj", "--env", "env.png", "-o", "./env.png"][..],
         &["light", "cube.obj", "-o", "a.png", "--bake", "cube.obj"],
         &["binary", "cube.obj", "-o", "a.png", "--json", "cube.obj"],
         &["lines", "cube.obj", "-o", "cube.obj"],
+        &["light", "card.obj", "-o", "env.png"],
+        &["lines", "card.obj", "-o", "env.png"],
+        &["binary", "card.obj", "-o", "env.png"],
     ] {
         let output = chiaro(dir.path(), args);
         assert_eq!(output.status.code(), Some(1), "{args:?}");

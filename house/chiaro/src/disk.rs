@@ -5,6 +5,7 @@ use chiaro_scene::load::Source;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// The largest scene file, in bytes.
 const LARGEST: u64 = 8 << 30;
@@ -12,13 +13,20 @@ const LARGEST: u64 = 8 << 30;
 /// A scene's folder. Links that lead out of it are not followed.
 pub(crate) struct Folder {
     root: PathBuf,
+    /// Files that were read.
+    read: Mutex<Vec<PathBuf>>,
 }
 
 impl Folder {
     /// The folder that holds `scene`.
     pub(crate) fn of(scene: &Path) -> Self {
         let parent = scene.parent().filter(|p| !p.as_os_str().is_empty());
-        Self { root: parent.unwrap_or(Path::new(".")).to_path_buf() }
+        Self { root: parent.unwrap_or(Path::new(".")).to_path_buf(), read: Mutex::default() }
+    }
+
+    /// The files that were read.
+    pub(crate) fn into_read(self) -> Vec<PathBuf> {
+        self.read.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn resolve(&self, path: &str) -> std::result::Result<PathBuf, String> {
@@ -60,7 +68,9 @@ fn entry_like(folder: &Path, name: &str) -> Option<PathBuf> {
 impl Source for Folder {
     fn read(&self, path: &str, limit: u64) -> Result<Vec<u8>> {
         let full = self.resolve(path).map_err(|why| Error::input(path, "", why))?;
-        read_file(&full, path, limit)
+        let bytes = read_file(&full, path, limit)?;
+        self.read.lock().unwrap_or_else(PoisonError::into_inner).push(full);
+        Ok(bytes)
     }
 }
 

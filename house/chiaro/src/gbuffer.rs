@@ -27,6 +27,7 @@ impl Job<'_> {
             let got = format!(".{}", self.target.extension());
             return Err(Error::setting("-o", got, "a file name that ends in .exr"));
         }
+        self.target.spares(&self.project.frames(), self.project.files.iter().cloned())?;
         let mut record = Record::new("gbuffer");
         let knobs = BinaryKnobs::default();
         let poser = self.project.poser();

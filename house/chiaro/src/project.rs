@@ -8,7 +8,7 @@ use chiaro_ink::Sheet;
 use chiaro_scene::load::{self, Budget, Door, Up};
 use chiaro_scene::{Choice, Frame, Playback, Poser, Scene, demo};
 use chiaro_trace::{Hierarchy, Tracer};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Dots an inch of a print whose size nobody chose.
@@ -87,6 +87,8 @@ pub struct Project {
     pub name: String,
     /// The hash of the scene's main file, or of its name if it is procedural.
     pub hash: String,
+    /// The files that the scene was read from.
+    pub files: Vec<PathBuf>,
     /// The scene.
     pub scene: Scene,
     /// What plays.
@@ -100,7 +102,7 @@ pub struct Project {
 impl Project {
     /// Opens the scene called `name`: a path, or `demo:` and the name of a procedural one.
     pub fn open(name: &str, options: Options, run: &Run) -> Result<Self> {
-        let (mut scene, hash) = run.stage("load", 1, || open_scene(name, options.up))?;
+        let (mut scene, hash, files) = run.stage("load", 1, || open_scene(name, options.up))?;
         options.without.iter().try_for_each(|pattern| leave_out(&mut scene, pattern))?;
         if options.strict && !scene.stored.missing_files.is_empty() {
             let why = format!(
@@ -117,7 +119,7 @@ impl Project {
             run.warn(note);
         }
         let hierarchy = Mutex::default();
-        Ok(Self { name: name.into(), hash, scene, playback, options, hierarchy })
+        Ok(Self { name: name.into(), hash, files, scene, playback, options, hierarchy })
     }
 
     /// The name without folders, for recipes.
@@ -194,11 +196,11 @@ fn leave_out(scene: &mut Scene, pattern: &str) -> Result<()> {
     Err(Error::setting("--without", pattern, range))
 }
 
-/// The scene and the hash of its file.
-fn open_scene(name: &str, up: Up) -> Result<(Scene, String)> {
+/// The scene, the hash of its file, and all files that it was read from.
+fn open_scene(name: &str, up: Up) -> Result<(Scene, String, Vec<PathBuf>)> {
     if let Some(demo_name) = name.strip_prefix("demo:") {
         let scene = demo::scene(demo_name)?;
-        return Ok((scene, crate::write::sha256(name.as_bytes())));
+        return Ok((scene, crate::write::sha256(name.as_bytes()), Vec::new()));
     }
     let path = Path::new(name);
     if !path.exists() {
@@ -209,7 +211,9 @@ fn open_scene(name: &str, up: Up) -> Result<(Scene, String)> {
     let folder = Folder::of(path);
     let mut door = Door::new(name, &folder, Budget::default());
     let scene = load::read_scene(name, &bytes, up, &mut door)?;
-    Ok((scene, hash))
+    let mut files = folder.into_read();
+    files.push(path.into());
+    Ok((scene, hash, files))
 }
 
 /// Not found, with the nearest name in the folder or among the procedural scenes.

@@ -104,6 +104,7 @@ impl Job<'_> {
     pub fn run(&self, run: &Run) -> Result<Record> {
         dump::check(self.dump_graph.as_deref())?;
         let encoding = Encoding::of(&self.target)?;
+        self.target.spares(&self.project.frames(), self.project.files.iter().cloned())?;
         let mut record = Record::new("binary");
         let mut shot = Shot::survey(self.project, self.look.knobs, run)?;
         shot.paint(self.look.painting.clone(), run)?;

@@ -98,6 +98,7 @@ impl Job<'_> {
     /// Renders and writes every frame that is not there yet.
     pub fn run(&self, run: &Run) -> Result<Record> {
         check_target(&self.target)?;
+        self.target.spares(&self.project.frames(), self.project.files.iter().cloned())?;
         if !self.knobs.is_compact() && self.knobs.surfels > LightKnobs::MOST_EXACT {
             let most =
                 format!("at most {}, or --set tree=compact beside it", LightKnobs::MOST_EXACT);

@@ -261,12 +261,13 @@ impl Job<'_> {
 
     /// The files that are read for some frames.
     fn read(&self, frames: &[u32]) -> impl Iterator<Item = PathBuf> + '_ {
+        let scene = self.project.files.iter().cloned();
         let beneath = match &self.look.over {
             Over::Pictures(pictures) => frames.iter().map(|f| pictures.file(*f)).collect(),
             _ => Vec::new(),
         };
         let style = [PathBuf::from(&self.look.style.name)];
-        self.look.lines.picture_files().chain(beneath).chain(style)
+        self.look.lines.picture_files().chain(beneath).chain(style).chain(scene)
     }
 
     /// The binary shading beneath, where there is some and the file shows it.
