@@ -87,6 +87,15 @@ impl Hierarchy for Shared<'_> {
         self.0.cut(chooser, splats)
     }
 
+    fn some(
+        &self,
+        span: chiaro_pbgi::cut::Span,
+        most: usize,
+        surfels: &mut Vec<chiaro_pbgi::Surfel>,
+    ) {
+        self.0.some(span, most, surfels);
+    }
+
     fn leaf_radius(&self) -> f32 {
         self.0.leaf_radius()
     }

@@ -5,7 +5,7 @@
 //! what is seen of each, by its own lobes or its own cosine, is summed; the sum is splatted
 //! from their mean. Nothing is lost but where in the box they lie.
 
-use crate::cut::{Chooser, Splat};
+use crate::cut::{Chooser, Span, Splat};
 use crate::packed::Record;
 use chiaro_basis::math::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -23,6 +23,9 @@ pub(crate) struct Bunch<'a> {
     offset: Vec3,
     radiance: [f32; 3],
     axis: Vec3,
+    /// The surfels of the one that sends most, and what that sends.
+    span: Span,
+    most_sent: f32,
 }
 
 impl<'a> Bunch<'a> {
@@ -37,17 +40,20 @@ impl<'a> Bunch<'a> {
             offset: Vec3::ZERO,
             radiance: [0.0; 3],
             axis: Vec3::ZERO,
+            span: Span::default(),
+            most_sent: 0.0,
         }
     }
 
     /// Adds a record that is seen; what it does not fit to is splatted first.
-    pub(crate) fn add(&mut self, record: &Record, splats: &mut Vec<Splat>) {
+    pub(crate) fn add(&mut self, record: &Record, span: Span, splats: &mut Vec<Splat>) {
         let chooser = self.chooser;
         let offset = record.position - chooser.from;
         let square = offset.length_squared();
         let radius = (record.area * FRAC_1_PI).sqrt();
         if chooser.near > 0.0 && square < (chooser.near + radius).powi(2) {
-            splats.extend(chooser.surfel(record).into_iter().flatten());
+            let parts = chooser.surfel(record).into_iter().flatten();
+            splats.extend(parts.map(|s| Splat { span, ..s }));
             return;
         }
         let facing = -record.normal.dot(offset);
@@ -55,6 +61,7 @@ impl<'a> Bunch<'a> {
         let solid_angle = facing.abs() * record.side_area(side) / (square * square.sqrt());
         self.fit([offset, offset], square, splats);
         self.sum(offset, solid_angle, record.radiance[side], axis);
+        self.span_of(solid_angle, record.radiance[side], span);
     }
 
     /// Adds what is seen of a node of a bounding sphere.
@@ -74,6 +81,7 @@ impl<'a> Bunch<'a> {
         self.fit([offset - half, offset + half], offset.length_squared(), splats);
         let place = splat.direction * splat.distance;
         self.sum(place, splat.solid_angle, splat.radiance, splat.axis);
+        self.span_of(splat.solid_angle, splat.radiance, splat.span);
     }
 
     /// Makes the box hold what comes at a squared distance, if it still looks small then; else begins anew.
@@ -95,6 +103,13 @@ impl<'a> Bunch<'a> {
         self.axis += solid_angle * axis;
     }
 
+    fn span_of(&mut self, solid_angle: f32, radiance: [f32; 3], span: Span) {
+        let sent = solid_angle * radiance.iter().sum::<f32>();
+        if sent >= self.most_sent {
+            (self.span, self.most_sent) = (span, sent);
+        }
+    }
+
     /// Splats what there is, and begins anew.
     pub(crate) fn splat(&mut self, splats: &mut Vec<Splat>) {
         if self.solid_angle > 0.0 {
@@ -107,6 +122,7 @@ impl<'a> Bunch<'a> {
                 radiance: self.radiance.map(|l| l * share),
                 axis: self.axis * share,
                 marks: false,
+                span: self.span,
             });
         }
         *self = Self::new(self.chooser, self.most);
@@ -138,7 +154,7 @@ mod tests {
             flat: true,
         };
         let (mut bunch, mut splats) = (Bunch::new(&chooser, 0.01), Vec::new());
-        records.iter().for_each(|r| bunch.add(r, &mut splats));
+        records.iter().for_each(|r| bunch.add(r, Span::default(), &mut splats));
         bunch.splat(&mut splats);
         let each: Vec<Splat> = records.iter().flat_map(|r| chooser.surfel(r)).flatten().collect();
         let sum = |of: &dyn Fn(&Splat) -> f32, splats: &[Splat]| splats.iter().map(of).sum::<f32>();

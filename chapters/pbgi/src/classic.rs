@@ -19,7 +19,7 @@
 use crate::bitrows::BitRows;
 use crate::bits::{float16_above, from_float16};
 use crate::code::{Book, Decoded, Lobes, Pen};
-use crate::cut::{Chooser, Faces, Splat, Verdict};
+use crate::cut::{Chooser, Faces, Span, Splat, Verdict};
 use crate::harmonic::Sh;
 use crate::hierarchy::Hierarchy;
 pub use crate::leaf::Leaf;
@@ -27,6 +27,7 @@ use crate::leaf::Scale;
 use crate::packed::{Record, leaf_radius};
 use crate::payload::Exact;
 use crate::sight::Sight;
+use crate::surfel::Surfel;
 use crate::tree::Node;
 use chiaro_basis::math::Vec3;
 
@@ -445,6 +446,9 @@ impl Hierarchy for Classic {
         }
         visited
     }
+
+    /// None: a splat of it does not know its surfels.
+    fn some(&self, _: Span, _: usize, _: &mut Vec<Surfel>) {}
 
     fn leaf_radius(&self) -> f32 {
         self.leaf_radius

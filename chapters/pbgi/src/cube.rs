@@ -9,7 +9,7 @@ mod texel;
 
 pub use texel::{Back, Texel};
 
-use crate::cut::Splat;
+use crate::cut::{Span, Splat};
 use chiaro_basis::math::{Vec3, smoothstep};
 
 /// The faces of a cube with texels that hold radiance.
@@ -182,7 +182,7 @@ impl Square {
     /// texel's middle.
     #[inline]
     fn each(&self, side: usize, mut each: impl FnMut(usize, f32, [f32; 2])) {
-        let [columns, rows] = [0, 1].map(|i| Span { low: self.low[i], high: self.high[i] });
+        let [columns, rows] = [0, 1].map(|i| Extent { low: self.low[i], high: self.high[i] });
         let (x, y) = (columns.low as usize, rows.low as usize);
         for row in y..rows.end(side) {
             let (height, v) = rows.within(row);
@@ -196,12 +196,12 @@ impl Square {
 
 /// From one coordinate to another, in texels.
 #[derive(Clone, Copy)]
-struct Span {
+struct Extent {
     low: f32,
     high: f32,
 }
 
-impl Span {
+impl Extent {
     /// The length within a cell, and its middle from the cell's.
     #[inline]
     fn within(self, cell: usize) -> (f32, f32) {
@@ -290,8 +290,15 @@ impl CubeBuffer {
     #[cfg(test)]
     pub(crate) fn fill_flat(&mut self, i: usize, radiance: [f32; 3], distance: f32, axis: Vec3) {
         let zero = Vec3::ZERO;
-        let splat =
-            Splat { direction: zero, distance, solid_angle: 0.0, radiance, axis, marks: false };
+        let splat = Splat {
+            direction: zero,
+            distance,
+            solid_angle: 0.0,
+            radiance,
+            axis,
+            marks: false,
+            span: Span::default(),
+        };
         self.texels[i].cover(&splat, 1.0, [0.0; 2]);
     }
 
@@ -335,6 +342,7 @@ impl CubeBuffer {
             radiance,
             axis: zero,
             marks: false,
+            span: Span::default(),
         };
         self.texels[texel].cover(&splat, share, place);
     }
@@ -457,6 +465,7 @@ mod tests {
                 radiance,
                 axis: Vec3::ZERO,
                 marks: false,
+                span: Span::default(),
             });
             let covered: f32 = buffer
                 .texels()
@@ -475,7 +484,8 @@ mod tests {
             let mut buffer = CubeBuffer::new(CubeShape::new(10));
             let (radiance, axis) = ([1.0; 3], Vec3::ZERO);
             let distance = 1.0;
-            buffer.add(&Splat { direction, distance, solid_angle, radiance, axis, marks: false });
+            let (marks, span) = (false, Span::default());
+            buffer.add(&Splat { direction, distance, solid_angle, radiance, axis, marks, span });
             buffer.texels().iter().map(|t| t.coverage).collect::<Vec<f32>>()
         };
         for (over, across) in [
@@ -539,6 +549,7 @@ mod tests {
                 radiance: [1.0; 3],
                 axis: Vec3::ZERO,
                 marks: false,
+                span: Span::default(),
             });
             let texel = (0..buffer.texels().len()).max_by(|a, b| {
                 buffer.texels()[*a].coverage.total_cmp(&buffer.texels()[*b].coverage)
@@ -557,6 +568,7 @@ mod tests {
             radiance: [red, 0.0, 0.0],
             axis: Vec3::ZERO,
             marks: false,
+            span: Span::default(),
         };
         buffer.add_sorted(&[splat(2.0, 9.0), splat(1.0, 1.0)]);
         let full = buffer.texels().iter().filter(|t| t.coverage == 1.0);

@@ -33,6 +33,17 @@ pub struct Splat {
     pub axis: Vec3,
     /// Whether it only marks where something nearer than the near field's radius is.
     pub marks: bool,
+    /// The surfels that it stands for, or the most of them.
+    pub span: Span,
+}
+
+/// Surfels that follow each other in a tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// The first.
+    pub first: u32,
+    /// How many.
+    pub count: u32,
 }
 
 /// How a cut is chosen.
@@ -180,13 +191,15 @@ impl Chooser {
                     if let Some(sight) = self.sight(node)
                         && let Some(splat) = sight.of_faces(node.area, sent, &tree.faces[index])
                     {
-                        splats.push(splat);
+                        splats.push(Splat { span: tree.span(index), ..splat });
                     }
                 }
                 Chosen::Surfels(index) => {
-                    let all = &tree.surfels[surfels(index)];
-                    for part in all.iter().flat_map(|s| self.surfel(s)).flatten() {
-                        splats.push(part);
+                    for i in surfels(index) {
+                        let span = Span { first: i as u32, count: 1 };
+                        for part in self.surfel(&tree.surfels[i]).into_iter().flatten() {
+                            splats.push(Splat { span, ..part });
+                        }
                     }
                 }
             }
@@ -291,7 +304,8 @@ impl Chooser {
         let far = self.beyond(distance, surfel.area, cosine);
         [(far, false), (1.0 - far, true)].map(|(share, marks)| {
             let solid_angle = share * solid_angle;
-            let splat = Splat { direction, distance, solid_angle, radiance, axis, marks };
+            let span = Span::default();
+            let splat = Splat { direction, distance, solid_angle, radiance, axis, marks, span };
             (solid_angle > 0.0).then_some(splat)
         })
     }
@@ -391,6 +405,7 @@ mod tests {
                 let key = |s: &Splat| [s.distance, s.direction.x, s.direction.y];
                 key(a).partial_cmp(&key(b)).unwrap()
             });
+            splats.iter_mut().for_each(|s| s.span = Span::default());
             splats
         };
         assert!(fast.iter().any(|s| s.marks) && fast.iter().any(|s| !s.marks));

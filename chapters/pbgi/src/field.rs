@@ -5,18 +5,18 @@
 //! as a flat piece of surface at its mean distance, slanted as what is there.
 
 mod opening;
-mod patch;
 
+use crate::bright::{self, Bright};
 use crate::cluster::Pixel;
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::{Chooser, Splat};
 use crate::hierarchy::Hierarchy;
 use crate::indirect::Prepared;
+use crate::pack::{LANES, LEAST_COSINE, Lanes, Pack, slant};
 use crate::veil::Veil;
 use chiaro_basis::math::Vec3;
 use chiaro_scene::Bounds;
 use chiaro_trace::{GBuffer, Tracer, Vertex};
-use patch::Patch;
 
 /// Light and openness: linear RGB, and 1 where nothing is.
 pub(crate) type Light = [f32; 4];
@@ -55,39 +55,6 @@ impl Ball {
     }
 }
 
-/// Texels side by side, so that the compiler can use vectors.
-const LANES: usize = 8;
-type Lanes = [f32; LANES];
-
-/// A few texels as flat pieces: their places relative to the centre, in radii of the ball; their
-/// slants, against the normal and as long as the squared distance over the normal's cosine towards
-/// the centre; and light times solid angle.
-#[derive(Clone, Copy, Default)]
-struct Pack {
-    place: [Lanes; 3],
-    slant: [Lanes; 3],
-    light: [Lanes; 4],
-}
-
-impl Pack {
-    /// A texel from a receiver (its place, normal and side): the way to it, and the weight of its light.
-    #[inline(always)]
-    fn seen(&self, k: usize, [p, n, s]: &[Vec3; 3]) -> ([f32; 3], f32) {
-        let [px, py, pz] = [self.place[0][k], self.place[1][k], self.place[2][k]];
-        let (x, y, z) = (px - p.x, py - p.y, pz - p.z);
-        let above = x * s.x + y * s.y + z * s.z > 0.0;
-        let cosine = (x * n.x + y * n.y + z * n.z).max(0.0);
-        let cosine = if above { cosine } else { 0.0 };
-        let slant = [self.slant[0][k], self.slant[1][k], self.slant[2][k]];
-        let facing = (x * slant[0] + y * slant[1] + z * slant[2]).max(0.0);
-        let square = x * x + y * y + z * z;
-        ([x, y, z], cosine * facing / (square * square).max(f32::MIN_POSITIVE))
-    }
-}
-
-/// The least cosine at which a piece is slanted.
-const LEAST_COSINE: f32 = 0.2;
-
 /// What is nearer than the ball's radius is marked from this share of it on.
 const MARK: f32 = 0.5;
 /// The least distance of a texel, in radii of the ball.
@@ -102,8 +69,8 @@ pub(crate) struct Field {
     packs: Vec<Pack>,
     /// The packs that hold light or openness.
     lit: Vec<u16>,
-    /// Bright texels that something in the ball hides from some receivers; the packs are black there.
-    patches: Vec<Patch>,
+    /// What is bright; the packs are without it.
+    bright: Bright,
 }
 
 /// How a field is gathered.
@@ -138,10 +105,18 @@ impl Field {
         buffer.clear();
         splats.clear();
         let visited = scene.tree.cut(&chooser, splats);
+        let groups = match receivers.is_empty() {
+            true => Vec::new(),
+            false => bright::take(&scene.tree, ball.centre, buffer.shape(), splats),
+        };
         buffer.add_sorted(splats);
-        let partial = Veil { ball, tracer: scene.lit.tracer, receivers }.draw(buffer);
+        Veil { ball, tracer: scene.lit.tracer, receivers }.draw(buffer);
         let mut field = Self::of_buffer(buffer, ball, how);
-        field.take_apart(&partial, buffer.shape());
+        let told = groups.into_iter().map(|g| {
+            let arrives = g.arrives(scene.lit.tracer, receivers);
+            (g, arrives)
+        });
+        field.bright = Bright::of(&told.collect::<Vec<_>>(), field.scale);
         (field, visited)
     }
 
@@ -166,7 +141,7 @@ impl Field {
         }
         let sends = |p: &Pack| p.light.iter().flatten().any(|l| *l > 0.0);
         let lit = (0..packs.len()).filter(|&i| sends(&packs[i])).map(|i| i as u16).collect();
-        Self { ball, side: shape.side(), scale, packs, lit, patches: Vec::new() }
+        Self { ball, side: shape.side(), scale, packs, lit, bright: Bright::default() }
     }
 
     /// Irradiance of a receiver by the far field; the last is pi where all is open. What a texel
@@ -187,35 +162,15 @@ impl Field {
         sum.map(|lanes| lanes.iter().sum())
     }
 
-    /// Irradiance that a receiver would have by the patches if nothing hid them; those that rays which a number chooses do
-    /// not reach are left out where a tracer is given.
-    pub(crate) fn by_patches(&self, at: &Vertex, rays: Option<(&Tracer, usize)>) -> [f32; 3] {
-        let receiver = self.receiver(at);
-        let mut sum = [0.0; 3];
-        for (i, patch) in self.patches.iter().enumerate() {
-            let pack = &self.packs[patch.texel / LANES];
-            let (_, weight) = pack.seen(patch.texel % LANES, &receiver);
-            let free = |(tracer, number)| patch.is_free(&self.ball, tracer, at, number + 7 * i);
-            if weight > 0.0 && rays.is_none_or(free) {
-                (0..3).for_each(|c| sum[c] += weight * patch.light[c]);
-            }
-        }
-        sum
+    /// Irradiance of a receiver by what is bright and hidden from some, told by so many rays that a number chooses, and what it
+    /// would be if nothing hid that.
+    pub(crate) fn by_bright(&self, at: &Vertex, tracer: &Tracer, share: f32) -> [f32; 6] {
+        self.bright.irradiance(&self.receiver(at), (at, tracer), share)
     }
 
-    /// Whether there are such texels.
-    pub(crate) fn has_patches(&self) -> bool {
-        !self.patches.is_empty()
-    }
-
-    fn take_apart(&mut self, texels: &[usize], shape: &CubeShape) {
-        for &texel in texels {
-            let (pack, lane) = (&mut self.packs[texel / LANES], texel % LANES);
-            let place = Vec3::from(pack.place.map(|l| l[lane])) / self.scale;
-            let light = std::array::from_fn(|c| std::mem::take(&mut pack.light[c][lane]));
-            let width = shape.solid_angles[texel].sqrt() * place.length();
-            self.patches.push(Patch { texel, place: self.ball.centre + place, width, light });
-        }
+    /// Whether there is any such thing.
+    pub(crate) fn has_bright(&self) -> bool {
+        !self.bright.is_empty()
     }
 
     /// Where a receiver lies in the field, in the field's scale, its normal and its side.
@@ -253,25 +208,9 @@ impl Field {
     }
 }
 
-/// Against the normal of a piece in the direction `towards`, over the cosine between both; facing the
-/// centre where its mean normal says little.
-fn slant(towards: Vec3, axis: Vec3) -> Vec3 {
-    let normal = axis - towards * (1.0 - axis.length()).max(0.0);
-    let normal = normal.normalize_or(-towards);
-    let cosine = -normal.dot(towards);
-    if cosine >= LEAST_COSINE {
-        return -normal / cosine;
-    }
-    // Turned towards the centre until it has the least cosine.
-    let across = (normal + towards * cosine).normalize_or_zero();
-    let least = across * (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt() - towards * LEAST_COSINE;
-    -least / LEAST_COSINE
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::veil::tests::raised;
 
     /// A white receiver.
     fn receiver(position: Vec3, normal: Vec3) -> Vertex {
@@ -339,36 +278,6 @@ mod tests {
         // Rays meet the wall where it is.
         let (origin, direction) = (Vec3::new(0.4, 0.3, 0.0), Vec3::new(0.6, 0.8, 0.0));
         assert!((field.light(&shape, origin, direction)[0] - 1.0).abs() < 1e-5);
-    }
-
-    /// Of all light towards +x, what lies behind the edge of a wall is taken apart: with nothing in between a receiver has
-    /// as much as before, and behind the wall none of it.
-    #[test]
-    fn patches_are_seen_where_nothing_hides_them() {
-        let shape = CubeShape::new(8);
-        let mut buffer = CubeBuffer::new(shape.clone());
-        let texels: Vec<usize> =
-            (0..shape.directions.len()).filter(|i| shape.directions[*i].x > 0.8).collect();
-        texels.iter().for_each(|i| buffer.fill_flat(*i, [1.0, 2.0, 3.0], 9.0, Vec3::NEG_X));
-        let ball = Ball { centre: Vec3::ZERO, radius: 2.0 };
-        let how = Gathering { threshold: 0.1, occlusion: 1e3, beyond: 1e3 };
-        let whole = Field::of_buffer(&buffer, ball, &how);
-        let mut apart = Field::of_buffer(&buffer, ball, &how);
-        apart.take_apart(&texels, &shape);
-        let at = receiver(Vec3::ZERO, Vec3::X);
-        let all = whole.irradiance(&at);
-        assert_eq!(apart.irradiance(&at)[..3], [0.0; 3]);
-        assert_eq!(apart.light(&shape, Vec3::ZERO, Vec3::X)[..3], [0.0; 3]);
-        for (up, share) in [(30.0, 1.0), (0.0, 0.0)] {
-            let scene = raised(1.0, up);
-            let frame = chiaro_scene::Poser::new(&scene).frame(0.0, &Default::default());
-            let seen = apart.by_patches(&at, Some((&Tracer::new(&scene, &frame), 3)));
-            let open = apart.by_patches(&at, None);
-            for c in 0..3 {
-                assert!((seen[c] - share * all[c]).abs() < 1e-4 * all[c], "{seen:?} {all:?}");
-                assert!((open[c] - all[c]).abs() < 1e-4 * all[c]);
-            }
-        }
     }
 
     #[test]

@@ -14,7 +14,7 @@
 
 use crate::bunch::Bunch;
 use crate::code::{self, Decoded};
-use crate::cut::{Chooser, Splat, Verdict, face};
+use crate::cut::{Chooser, Span, Splat, Verdict, face};
 use crate::harmonic::basis;
 use crate::hierarchy::Hierarchy;
 use crate::payload::{Exact, Sent};
@@ -215,12 +215,15 @@ impl<S: Stored> Hierarchy for Packed<S> {
                         let face = |side| face(area, &siblings.along_axis(k, &means), side);
                         let sight = sights.one(k, means.axis(k));
                         if let Some(splat) = sight.splat(area, sent, face) {
-                            bunch.add_node(&splat, spheres.one(k), splats);
+                            let count = BLOCK * FAN.pow(level as u32);
+                            let span = Span { first: (index * count) as u32, count: count as u32 };
+                            bunch.add_node(&Splat { span, ..splat }, spheres.one(k), splats);
                         }
                     }
                     Verdict::Open if level == 0 => {
                         let seen = |places: &Places| chooser.seen_of(places);
-                        self.store.records(index, seen, |r| bunch.add(r, splats));
+                        let span = Span { first: (index * BLOCK) as u32, count: BLOCK as u32 };
+                        self.store.records(index, seen, |r| bunch.add(r, span, splats));
                     }
                     Verdict::Open => {
                         let end = (FAN * index + FAN).min(counts[level - 1]);
@@ -231,6 +234,17 @@ impl<S: Stored> Hierarchy for Packed<S> {
         }
         bunch.splat(splats);
         visited
+    }
+
+    fn some(&self, span: Span, most: usize, surfels: &mut Vec<Surfel>) {
+        let Some(blocks) = self.store.counts().first() else { return };
+        let first = span.first as usize / BLOCK;
+        let end = (first + (span.count as usize).div_ceil(BLOCK)).min(*blocks);
+        let count = end.saturating_sub(first).min(most.div_ceil(BLOCK));
+        for k in 0..count {
+            let block = first + (2 * k + 1) * (end - first) / (2 * count);
+            self.store.records(block, |_| u32::MAX, |r| surfels.push(*r));
+        }
     }
 
     fn leaf_radius(&self) -> f32 {

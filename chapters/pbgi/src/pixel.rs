@@ -2,8 +2,10 @@
 //!
 //! The receiver's cube buffer takes near rays first, one for each quarter of a texel above the
 //! tangent plane in which leaves were dropped, as long as the distance within which that was done;
-//! then the sorted splats of its own cut. Its irradiance is the sum over texels of radiance times cosine.
+//! then the sorted splats of its own cut, the bright ones black. Its irradiance is the sum over texels of radiance times cosine,
+//! and what rays to the surfels of bright splats find.
 
+use crate::bright::{self, Arrives, Bright};
 use crate::cube::{CubeBuffer, CubeShape};
 use crate::cut::{Chooser, Splat};
 use crate::hierarchy::Hierarchy;
@@ -82,8 +84,28 @@ pub fn gather<T: Hierarchy>(
         splats.retain(|s| !s.marks);
         near_rays(scene, at, buffer, (quarters, texels), near, seed);
     }
+    let bright = bright(scene, at, buffer.shape(), splats);
     buffer.add_sorted(splats);
-    Gathered { visited, ..sum(buffer, at.normal, occlusion) }
+    let mut gathered = sum(buffer, at.normal, occlusion);
+    (0..3).for_each(|c| gathered.irradiance[c] += bright[c]);
+    Gathered { visited, ..gathered }
+}
+
+/// Makes bright splats black, and finds what arrives of them, where rays look at all.
+fn bright<T: Hierarchy>(
+    scene: &Prepared<T>,
+    at: &Vertex,
+    shape: &CubeShape,
+    splats: &mut [Splat],
+) -> [f32; 3] {
+    if !scene.knobs.near_field {
+        return [0.0; 3];
+    }
+    let groups = bright::take(&scene.tree, at.position, shape, splats);
+    let groups: Vec<_> = groups.into_iter().map(|g| (g, Arrives::Some)).collect();
+    let here = [Vec3::ZERO, at.normal, at.side];
+    let found = Bright::of(&groups, 1.0).irradiance(&here, (at, scene.lit.tracer), 1.0);
+    std::array::from_fn(|c| found[c])
 }
 
 /// The sums over texels of radiance and of openness times the clamped cosine.

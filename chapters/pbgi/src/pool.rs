@@ -4,7 +4,7 @@
 //! sum of the terms with which all of them look for it, times their rays (the balance heuristic):
 //! blocks stay sharp at creases and contacts, and only visibility is shared. Blocks overlap by half
 //! and fade into each other, so that they do not show. Receivers of a block that are far apart do
-//! not share. They also share how much of the light of patches arrives, each of its own.
+//! not share. What is bright (`bright`) is each receiver's own.
 
 mod opening;
 
@@ -173,19 +173,9 @@ fn share(receivers: &[Option<&Receiver>; LANES], some: &[usize], pooled: &mut Po
             (0..LANES).for_each(|k| sum[k] += weights[k] * light);
         }
     }
-    let arrives = arriving(members().map(|(_, r)| r));
     for (k, (place, r)) in members().enumerate() {
-        pooled[place].1 = std::array::from_fn(|c| {
-            sum[c][k] + if c < 3 { arrives[c] * r.patches[6 + c] } else { 0.0 }
-        });
+        pooled[place].1 = std::array::from_fn(|c| sum[c][k] + r.bright.get(c).unwrap_or(&0.0));
     }
-}
-
-/// The share of their patches' light that arrives at some receivers.
-fn arriving<'a>(receivers: impl Iterator<Item = &'a Receiver>) -> [f32; 3] {
-    let mut sum = [0.0; 6];
-    receivers.for_each(|r| (0..6).for_each(|c| sum[c] += r.patches[c]));
-    std::array::from_fn(|c| if sum[3 + c] > 0.0 { sum[c] / sum[3 + c] } else { 0.0 })
 }
 
 #[cfg(test)]
@@ -246,18 +236,14 @@ mod tests {
         assert!((light[1][0] / PI - 1.0).abs() < 0.03, "{light:?}");
     }
 
-    /// Of two that share, one has a patch of light hidden from it by its ray, the other half as much seen.
+    /// What is bright is each receiver's own.
     #[test]
-    fn receivers_share_what_is_seen_of_patches() {
+    fn receivers_keep_what_they_have_of_bright_things() {
         let everywhere = Ball { centre: Vec3::ZERO, radius: f32::INFINITY };
         let mut both = [receiver(0.0, everywhere), receiver(0.5, everywhere)];
-        both[0].patches = [0.0, 0.0, 0.0, 2.0, 4.0, 6.0, 2.0, 4.0, 6.0];
-        both[1].patches = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+        both[1].bright = [1.0, 2.0, 3.0];
         let light = pooled(&both);
-        let expected = [[2.0, 4.0, 6.0], [1.0, 2.0, 3.0]].map(|e| e.map(|e| e / 3.0));
-        for (light, expected) in light.iter().zip(expected) {
-            assert!((0..3).all(|c| (light[c] - expected[c]).abs() < 1e-5), "{light:?}");
-        }
+        assert_eq!([light[0], light[1]].map(|l| [l[0], l[1], l[2]]), [[0.0; 3], [1.0, 2.0, 3.0]]);
     }
 
     /// Rays look up twice what the sums of the far fields hold.

@@ -20,7 +20,6 @@ const EVERYWHERE: (f32, Ball) = (1.0, Ball { centre: Vec3::ZERO, radius: f32::IN
 const NOWHERE: (f32, Ball) = (0.0, Ball { centre: Vec3::ZERO, radius: 0.0 });
 /// Pixels along a side of the lattice's pattern, and in all of it.
 const PATTERN: usize = 4;
-const PLACES: usize = PATTERN * PATTERN;
 
 /// What a near ray found, and what the far fields whose balls hold it say in its direction, by the mean of
 /// their shares.
@@ -57,8 +56,8 @@ pub(crate) struct Receiver {
     pub(crate) looked_up: Light,
     /// Irradiance by the far fields.
     pub(crate) far: Light,
-    /// Irradiance by the patches of one of them, what it would be if nothing hid these, and what all of them would give.
-    pub(crate) patches: [f32; 9],
+    /// Irradiance by what is bright in them and hidden from some.
+    pub(crate) bright: [f32; 3],
     /// What the far fields leave open, where that is wanted.
     pub(crate) opening: Opening,
 }
@@ -80,20 +79,14 @@ impl Mix<'_> {
         sum
     }
 
-    /// Patches as a receiver sees them; `number` of [`PLACES`] chooses rays and the field that they are of.
-    pub(crate) fn patches(&self, tracer: &Tracer, at: &Vertex, number: usize) -> [f32; 9] {
-        let mut chosen = (number as f32 + 0.5) / PLACES as f32;
-        let (mut asked, mut all) = ([0.0; 6], [0.0; 3]);
+    /// Irradiance of a receiver by what is bright and hidden from some, told by rays, and what it would be if nothing hid that.
+    pub(crate) fn bright(&self, tracer: &Tracer, at: &Vertex) -> [f32; 6] {
+        let mut sum = [0.0; 6];
         for (share, field) in &self.parts {
-            let open = field.by_patches(at, None);
-            (0..3).for_each(|c| all[c] += share * open[c]);
-            if 0.0 <= chosen && chosen < *share {
-                let seen = field.by_patches(at, Some((tracer, number)));
-                (0..3).for_each(|c| (asked[c], asked[3 + c]) = (seen[c], open[c]));
-            }
-            chosen -= share;
+            let found = field.by_bright(at, tracer, *share);
+            (0..6).for_each(|c| sum[c] += share * found[c]);
         }
-        std::array::from_fn(|c| if c < 6 { asked[c] } else { all[c - 6] })
+        sum
     }
 
     /// What the far fields leave open to a receiver under a dome.
@@ -137,7 +130,7 @@ impl Receiver {
             looked: 0,
             looked_up: [0.0; 4],
             far: [0.0; 4],
-            patches: [0.0; 9],
+            bright: [0.0; 3],
             opening: [0.0; 6],
         }
     }

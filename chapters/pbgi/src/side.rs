@@ -8,8 +8,8 @@
 //!
 //! Whatever light it gets, a side is dead too when everything drawn lies on or behind its plane: no surface
 //! sees it. Under a sky that is the underside of a ground and the outside of a room. And when little but a
-//! lamp close by is before it: what a double-sided one lights between itself and a ceiling is as bright as itself, and
-//! hidden by so little that it would be seen through it. So would the inside of a lampshade.
+//! lamp within a spacing is before it: what a double-sided one lights between itself and a ceiling is as bright as itself,
+//! and rays that end above a surfel (`bright`) would end above the lamp.
 //!
 //! A dark side lives but is covered where nearly all rays end a few spacings above its plane: what it sends is told by `cover`.
 //!
@@ -29,10 +29,9 @@ const BURIED: f32 = 4.0;
 pub(crate) const NARROW: f32 = 8.0;
 const LONG: f32 = 16.0;
 
-/// How near a lamp hides a side, in radii of the bounds or in spacings, whichever is more; the share of rays that must
-/// go farther; the share that must meet it; how many times as many rays tell, where some do; and the most of such a
-/// lamp, the root of its area in radii.
-const CLOSE: f32 = 0.1;
+/// The share of rays from a side behind a lamp that go farther than a spacing, at most; the share that meets the lamp, at
+/// least; how many times as many rays tell, where some do; and the most of such a lamp, the root of its area in radii
+/// of the bounds.
 const PASS: f32 = 0.4;
 const MEET: f32 = 0.25;
 const SURER: u32 = 4;
@@ -73,7 +72,7 @@ impl Met {
 pub fn close(lit: &Lit, bounds: &Bounds, spacing: f32) -> f32 {
     let area: f32 = lit.lights.glow.triangles().iter().map(|t| t.area).sum();
     let is_lamp = area > 0.0 && area.sqrt() < LAMP * bounds.radius();
-    if is_lamp { spacing.max(CLOSE * bounds.radius()) } else { 0.0 }
+    if is_lamp { spacing } else { 0.0 }
 }
 
 /// Finds the dead sides of a lit surfel with at most `rays` rays a side, told which the sky lights; `bounds` hold everything
@@ -173,70 +172,6 @@ fn meet(lit: &Lit, position: Vec3, normal: Vec3, direction: Vec3, spacing: f32, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::indirect::prepare;
-    use crate::knob::LightKnobs;
-    use crate::site::sites;
-    use chiaro_basis::Run;
-    use chiaro_basis::math::vec3;
-    use chiaro_scene::{Material, MaterialId, Mesh, MeshId, Node, Playback, Scene};
-    use chiaro_trace::{Glow, Lights, Surfaces, Tracer};
-    use std::f32::consts::TAU;
-
-    /// Around the y axis, open at both ends, of 24 sides.
-    fn tube(mesh: &mut Mesh, radius: f32, half: f32, material: usize) {
-        let at = |k: u32, y: f32| {
-            let (sin, cos) = (TAU * k as f32 / 24.0).sin_cos();
-            vec3(radius * cos, y, radius * sin)
-        };
-        for k in 0..24 {
-            let first = mesh.positions.len() as u32;
-            mesh.positions.extend([at(k, -half), at(k, half), at(k + 1, half), at(k + 1, -half)]);
-            mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|f| f.map(|v: u32| first + v)));
-            mesh.materials.extend([MaterialId::new(material); 2]);
-        }
-    }
-
-    #[test]
-    fn the_inside_of_a_lampshade_is_dead_and_its_outside_and_a_wall_live() {
-        let mut mesh = Mesh::default();
-        tube(&mut mesh, 0.2, 0.2, 0);
-        tube(&mut mesh, 0.12, 0.15, 1);
-        let floor = [[-3.0, -3.0], [-3.0, 3.0], [3.0, 3.0], [3.0, -3.0]];
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(floor.map(|[x, z]| vec3(x, -1.0, z)));
-        mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|f| f.map(|v: u32| first + v)));
-        mesh.materials.extend([MaterialId::new(0); 2]);
-        let lamp = Material { emissive: [9.0; 3], ..Material::default() };
-        let node = Node { mesh: Some(MeshId::new(0)), ..Node::default() };
-        let scene = Scene {
-            materials: vec![Material::default(), lamp],
-            meshes: vec![mesh],
-            nodes: vec![node],
-            ..Scene::default()
-        };
-        let frame = scene.frame(0.0, &Playback::default());
-        let tracer = Tracer::new(&scene, &frame);
-        let surfaces = Surfaces::new(&scene);
-        let lights = Lights { glow: Glow::of(&tracer, &surfaces), ..Lights::default() };
-        let lit = Lit { tracer: &tracer, surfaces: &surfaces, lights: &lights };
-        let knobs = LightKnobs { bounces: 1, ..LightKnobs::default() };
-        let all = sites(&scene, &frame, 20_000);
-        let found = prepare(lit, &all, &knobs, &Run::default()).unwrap().surfels;
-        let (mut inside, mut dead) = (0, 0);
-        for s in &found.all {
-            let out = Vec3::new(s.position.x, 0.0, s.position.z);
-            if s.position.y < -0.9 {
-                let is_lit = out.length() < 0.4;
-                assert!(!is_lit || s.alive[usize::from(s.normal.y < 0.0)], "{}", s.position);
-            } else if out.length() > 0.15 {
-                let inner = usize::from(s.normal.dot(out) > 0.0);
-                inside += 1;
-                dead += usize::from(!s.alive[inner]);
-                assert!(s.alive[1 - inner] || s.radiance[1 - inner] == [0.0; 3], "{}", s.position);
-            }
-        }
-        assert!(inside > 100 && 10 * dead > 6 * inside, "{dead} of {inside}");
-    }
 
     #[test]
     fn bounds_reach_above_planes_inside_them_and_not_above_their_own() {

@@ -3,7 +3,7 @@
 //! Nodes that share a parent are looked at all at once ([`Chooser::sights`]), one by one elsewhere ([`Chooser::sight`]);
 //! both do the same steps in the same order, so that a node is seen alike to the last bit.
 
-use crate::cut::{Chooser, FLAT, Faces, LEAST_AREA, Splat};
+use crate::cut::{Chooser, FLAT, Faces, LEAST_AREA, Span, Splat};
 use crate::packed::{FAN, Means};
 use crate::payload::Sent;
 use crate::tree::Node;
@@ -131,7 +131,8 @@ impl Sight {
         }
         let solid_angle = area / (distance * distance);
         let axis = if axis.dot(direction) > 0.0 { -axis } else { axis };
-        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks };
+        let span = Span::default();
+        let splat = Splat { direction, distance, solid_angle, radiance, axis, marks, span };
         (solid_angle > 0.0).then_some(splat)
     }
 

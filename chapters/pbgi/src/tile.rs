@@ -5,8 +5,8 @@
 //!    may differ, since the buffer is a full sphere. Where probing rays show that much is near, the
 //!    tile is busy: it is done in quarters.
 //! 2. Each cluster has a field: a cube buffer with what lies beyond the radius D around its centre
-//!    (`field`). Rays tell which of its bright texels no pixel sees, and which only some do (`veil`):
-//!    to these each pixel has a ray of its own.
+//!    (`field`). Its bright splats are asked for by rays to their surfels (`bright`): from some pixels whether all or none of a
+//!    texel's arrives, and from each pixel how much where these differ. Rays tell which other texels no pixel sees (`veil`).
 //! 3. A pixel mixes the fields of the four tiles (or quarters) around it by its place between their
 //!    centres, so that tiles do not show. Its far irradiance is the sum over texels of radiance
 //!    times its own cosine; on a plane it is computed at every fourth pixel and interpolated.
@@ -29,7 +29,7 @@ use crate::hierarchy::Hierarchy;
 use crate::indirect::{Indirect, Prepared, Wanted};
 use crate::opening::Dome;
 use crate::pool;
-use crate::receiver::{Lattice, Mix, Receiver, place_of};
+use crate::receiver::{Lattice, Mix, Receiver};
 use chiaro_basis::math::Vec3;
 use chiaro_basis::{Result, Run};
 use chiaro_trace::{GBuffer, Sides, Vertex};
@@ -83,6 +83,8 @@ const BAND: usize = 4;
 const NODE: usize = 4;
 /// Where near rays hit, nodes that differ by more than this share are not interpolated.
 const LINEAR: f32 = 0.1;
+/// And where what arrives of what is bright differs by more than this share of what could.
+const ARRIVE_APART: f32 = 0.25;
 
 /// The fields of a tile: of its clusters, or of those of its four quarters.
 struct Tile {
@@ -340,17 +342,20 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
                 }
             }
         }
-        let far = self.far(above, &receivers, &mixes, |mix, at, _| mix.irradiance(at));
+        let irradiance = |mix: &Mix, at: &Vertex, _| mix.irradiance(at);
+        let far = self.far(above, &receivers, &mixes, (irradiance, vary_near));
         receivers.iter_mut().zip(&far).for_each(|(r, far)| r.far = *far);
-        if mixes.iter().flat_map(|mix| &mix.parts).any(|(_, field)| field.has_patches()) {
+        if mixes.iter().flat_map(|mix| &mix.parts).any(|(_, field)| field.has_bright()) {
             let tracer = scene.lit.tracer;
-            let spread = |(x, y): Pixel| place_of((x + x / NODE, y + y / NODE));
-            let of = |mix: &Mix, at: &Vertex, pixel| mix.patches(tracer, at, spread(pixel));
-            let more = self.far(above, &receivers, &mixes, of);
-            receivers.iter_mut().zip(more).for_each(|(r, more)| r.patches = more);
+            let of = |mix: &Mix, at: &Vertex, _| mix.bright(tracer, at);
+            let bright = self.far(above, &receivers, &mixes, (of, |_, n| arrive_apart(n)));
+            for (r, bright) in receivers.iter_mut().zip(bright) {
+                (0..3).for_each(|c| r.bright[c] = bright[c]);
+            }
         }
         if let Some(dome) = &self.dome {
-            let open = self.far(above, &receivers, &mixes, |mix, at, _| mix.opening(at, dome));
+            let opening = |mix: &Mix, at: &Vertex, _| mix.opening(at, dome);
+            let open = self.far(above, &receivers, &mixes, (opening, vary_near));
             receivers.iter_mut().zip(open).for_each(|(r, open)| r.opening = open);
         }
         receivers.into_iter().zip(far).collect()
@@ -362,12 +367,17 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
         above: &Above,
         receivers: &[Receiver],
         mixes: &[Mix],
-        of: impl Fn(&Mix, &Vertex, Pixel) -> [f32; N],
+        (of, differ): (
+            impl Fn(&Mix, &Vertex, Pixel) -> [f32; N],
+            impl Fn(&Receiver, &[[f32; N]; 4]) -> bool,
+        ),
     ) -> Vec<[f32; N]> {
         let mut nodes = Nodes { picture: self, above, of: &of, kept: Vec::new() };
         let both = receivers.iter().zip(mixes);
-        both.map(|(r, mix)| nodes.interpolated(r).unwrap_or_else(|| of(mix, &r.at, r.pixel)))
-            .collect()
+        both.map(|(r, mix)| {
+            nodes.interpolated(r, &differ).unwrap_or_else(|| of(mix, &r.at, r.pixel))
+        })
+        .collect()
     }
 
     /// The fields that a pixel mixes, and their shares: those of the four tiles or quarters whose
@@ -454,6 +464,21 @@ fn wanting(receivers: &[Receiver], corner: Pixel) -> Vec<usize> {
     (0..receivers.len()).filter(|&i| is_near(&receivers[i])).collect()
 }
 
+/// Whether what nodes have differs much where near rays hit.
+fn vary_near<const N: usize>(receiver: &Receiver, nodes: &[[f32; N]; 4]) -> bool {
+    !receiver.hits.is_empty() && vary(nodes)
+}
+
+/// Whether what arrives at nodes of what could differs much.
+fn arrive_apart(nodes: &[[f32; 6]; 4]) -> bool {
+    let most = nodes.iter().flat_map(|n| &n[3..]).fold(0.0f32, |m, v| m.max(*v));
+    (0..3).any(|c| {
+        let of = |i: usize| nodes[i][c];
+        let (low, high) = (1..4).fold((of(0), of(0)), |(a, b), i| (a.min(of(i)), b.max(of(i))));
+        high - low > ARRIVE_APART * most
+    })
+}
+
 /// Whether what nodes have differs much.
 fn vary<const N: usize>(nodes: &[[f32; N]; 4]) -> bool {
     let differ = |channels: std::ops::Range<usize>| {
@@ -479,8 +504,12 @@ struct Nodes<'a, 'b, 'c, T: Hierarchy, F, const N: usize> {
 impl<T: Hierarchy, F: Fn(&Mix, &Vertex, Pixel) -> [f32; N], const N: usize>
     Nodes<'_, '_, '_, T, F, N>
 {
-    /// What a receiver has by the four nodes around it, if all are on its plane.
-    fn interpolated(&mut self, receiver: &Receiver) -> Option<[f32; N]> {
+    /// What a receiver has by the four nodes around it, if all are on its plane and do not differ much.
+    fn interpolated(
+        &mut self,
+        receiver: &Receiver,
+        differ: impl Fn(&Receiver, &[[f32; N]; 4]) -> bool,
+    ) -> Option<[f32; N]> {
         let (width, height) = self.picture.buffer.size();
         let (x, y) = receiver.pixel;
         let (x0, y0) = (x / NODE * NODE, y / NODE * NODE);
@@ -496,7 +525,7 @@ impl<T: Hierarchy, F: Fn(&Mix, &Vertex, Pixel) -> [f32; N], const N: usize>
         let (u, v) = (share(x, x0, x1), share(y, y0, y1));
         let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
         let all = corners.map(|corner| self.at(corner));
-        if !receiver.hits.is_empty() && vary(&all) {
+        if differ(receiver, &all) {
             return None;
         }
         Some(std::array::from_fn(|c| (0..4).map(|i| weights[i] * all[i][c]).sum()))

@@ -14,7 +14,7 @@
 //! where it is splatted. Guaranteed: the same bits for any number of threads.
 
 use crate::curve;
-use crate::cut::Faces;
+use crate::cut::{Faces, Span};
 use crate::facing;
 use crate::knob::Division;
 use crate::payload::{Exact, Payload};
@@ -94,6 +94,14 @@ impl Tree<Exact> {
 }
 
 impl<P: Payload> Tree<P> {
+    /// The surfels under a node.
+    pub(crate) fn span(&self, index: usize) -> Span {
+        let node = &self.nodes[index];
+        let after = self.nodes.get(index + node.size as usize);
+        let end = after.map_or(self.surfels.len() as u32, |n| n.first);
+        Span { first: node.first, count: end.saturating_sub(node.first) }
+    }
+
     /// Bytes of nodes, payload and surfels.
     pub fn bytes(&self) -> usize {
         size_of::<Node>() * self.nodes.capacity()

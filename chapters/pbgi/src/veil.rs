@@ -5,8 +5,8 @@
 //!   any far light is right where every ray ends before it.
 //! - A wall farther away is closed, but the splats that stand for it leave gaps, through which the street shines.
 //!
-//! A texel is judged by rays from the cluster's receivers to places all over it, and only if they all agree. Where they
-//! do not, each receiver is to find out by itself.
+//! A texel is judged by rays from the cluster's receivers to places all over it, and only if they all agree. What is
+//! bright by itself has left the buffer before (`bright`).
 
 use crate::cube::CubeBuffer;
 use crate::field::Ball;
@@ -17,12 +17,8 @@ use chiaro_trace::{Tracer, Vertex};
 /// Rays that must all end early, and rays that are tried for each: receivers may face away.
 const TESTS: usize = 32;
 const TRIES: usize = 3 * TESTS;
-/// So many free ones say that a texel is seen.
-const FEW_TESTS: usize = 4;
 /// Texels brighter than so many mean ones are judged.
 const BRIGHT: f32 = 2.5;
-/// Those brighter than so many are told apart where some receivers see them: each will have rays of its own.
-const BRIGHTER: f32 = 4.0;
 /// The share of a texel's light that comes from far behind the rest, from which on that is asked for.
 const MUCH: f32 = 0.1;
 /// Rays end at this share of the way to what they ask for.
@@ -35,21 +31,11 @@ pub(crate) struct Veil<'a> {
     pub(crate) receivers: &'a [Vertex],
 }
 
-/// How many rays are not free.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Hidden {
-    None,
-    Some,
-    All,
-}
-
 impl Veil<'_> {
-    /// Takes out of a buffer around the ball's middle what rays say is not seen. Returns the texels that some receivers
-    /// see and others do not.
-    pub(crate) fn draw(&self, buffer: &mut CubeBuffer) -> Vec<usize> {
-        let mut partial = Vec::new();
+    /// Takes out of a buffer around the ball's middle what rays say is not seen.
+    pub(crate) fn draw(&self, buffer: &mut CubeBuffer) {
         if self.receivers.is_empty() {
-            return partial;
+            return;
         }
         let light = |b: &CubeBuffer, i: usize| luminance(b.texels()[i].light);
         let count = buffer.texels().len();
@@ -58,37 +44,23 @@ impl Veil<'_> {
             let t = buffer.texels()[i];
             let back = t.back.distance / t.back.coverage;
             let much = luminance(t.back.light) > MUCH * luminance(t.light);
-            let enough = if light(buffer, i) > BRIGHTER * mean { FEW_TESTS } else { 1 };
-            let hidden = self.hidden(buffer, (i, enough), t.mean_distance(), None);
-            if hidden == Hidden::All {
+            if self.hidden(buffer, i, t.mean_distance(), None) {
                 buffer.blacken(i);
-                continue;
-            }
-            if much && self.hidden(buffer, (i, 1), back, Some(BEFORE * back)) == Hidden::All {
+            } else if much && self.hidden(buffer, i, back, Some(BEFORE * back)) {
                 buffer.close(i);
             }
-            if hidden == Hidden::Some && enough > 1 {
-                partial.push(i);
-            }
         }
-        partial
     }
 
-    /// How many rays from receivers to places of a texel at a distance end before another one from the middle, or in
-    /// the ball; none if as many are free as is enough.
-    fn hidden(
-        &self,
-        buffer: &CubeBuffer,
-        (i, enough): (usize, usize),
-        distance: f32,
-        end: Option<f32>,
-    ) -> Hidden {
+    /// Whether all of some rays from receivers to places of a texel at a distance end before another one from the middle, or
+    /// in the ball.
+    fn hidden(&self, buffer: &CubeBuffer, i: usize, distance: f32, end: Option<f32>) -> bool {
         let Ball { centre, .. } = self.ball;
         let shape = buffer.shape();
         let place = shape.directions[i] * distance;
         let width = shape.solid_angles[i].sqrt() * distance;
         let (across, up) = shape.directions[i].any_orthonormal_pair();
-        let (mut tests, mut free) = (0, 0);
+        let mut tests = 0;
         for k in 0..TRIES {
             let at = &self.receivers[(k + 5 * i) % self.receivers.len()];
             let [u, v] = random::r2((k + TRIES * i) as u64).map(|u| (u - 0.5) * width);
@@ -102,16 +74,15 @@ impl Veil<'_> {
                 Some(end) => Ball { centre, radius: end }.exit(origin, direction),
                 None => self.ball.exit(origin, direction),
             };
-            free += usize::from(!self.tracer.occluded(&at.ray(direction, length)));
-            tests += 1;
-            if 0 < free && free < tests {
-                return Hidden::Some;
+            if !self.tracer.occluded(&at.ray(direction, length)) {
+                return false;
             }
-            if tests == TESTS || free == enough {
+            tests += 1;
+            if tests == TESTS {
                 break;
             }
         }
-        if free == 0 && tests > TESTS / 2 { Hidden::All } else { Hidden::None }
+        tests > TESTS / 2
     }
 }
 
@@ -119,7 +90,7 @@ impl Veil<'_> {
 pub(crate) mod tests {
     use super::*;
     use crate::cube::CubeShape;
-    use crate::cut::Splat;
+    use crate::cut::{Span, Splat};
     use chiaro_basis::math::{Vec3, vec3};
     use chiaro_scene::{
         Material, MaterialId, Mesh, MeshId, Node, Playback, Poser, Scene, Transform,
@@ -150,9 +121,8 @@ pub(crate) mod tests {
         sheets(10.0, &[(x, true)])
     }
 
-    /// The same moved up.
-    pub(crate) fn raised(x: f32, up: f64) -> Scene {
-        let mut scene = wall(x);
+    /// A scene moved up.
+    pub(crate) fn shifted(mut scene: Scene, up: f64) -> Scene {
         let transform = Transform::Parts {
             translation: chiaro_basis::math::DVec3::new(0.0, up, 0.0),
             rotation: Default::default(),
@@ -162,9 +132,14 @@ pub(crate) mod tests {
         scene
     }
 
-    /// Light and distance of a texel towards +x and of one towards -x once rays were asked, and whether some see them, of a buffer in which both
+    /// The wall moved up.
+    fn raised(x: f32, up: f64) -> Scene {
+        shifted(wall(x), up)
+    }
+
+    /// Light and distance of a texel towards +x and of one towards -x once rays were asked, of a buffer in which both
     /// hold splats of a distance, a share and a radiance. The receivers lie around the origin and face up.
-    fn judged(scene: &Scene, splats: &[(f32, f32, f32)]) -> ([(f32, f32); 2], [bool; 2]) {
+    fn judged(scene: &Scene, splats: &[(f32, f32, f32)]) -> [(f32, f32); 2] {
         let frame = Poser::new(scene).frame(0.0, &Playback::default());
         let tracer = Tracer::new(scene, &frame);
         let shape = CubeShape::new(6);
@@ -180,6 +155,7 @@ pub(crate) mod tests {
                     radiance: [*light; 3],
                     axis: -direction,
                     marks: false,
+                    span: Span::default(),
                 };
                 buffer.add(&splat);
             }
@@ -199,29 +175,27 @@ pub(crate) mod tests {
         };
         let receivers: Vec<Vertex> = (0..20).map(receiver).collect();
         let ball = Ball { centre: Vec3::ZERO, radius: 2.0 };
-        let partial = Veil { ball, tracer: &tracer, receivers: &receivers }.draw(&mut buffer);
+        Veil { ball, tracer: &tracer, receivers: &receivers }.draw(&mut buffer);
         let light = |i| (buffer.radiance(i)[0], buffer.texels()[i].mean_distance());
-        (sides.map(light), sides.map(|i| partial.contains(&i)))
+        sides.map(light)
     }
 
     #[test]
     fn what_a_near_wall_hides_is_black_and_what_none_hides_is_not() {
-        let ([hidden, free], partial) = judged(&wall(1.0), &[(9.0, 0.9, 5.0)]);
-        assert_eq!(partial, [false; 2]);
+        let [hidden, free] = judged(&wall(1.0), &[(9.0, 0.9, 5.0)]);
         assert_eq!(hidden.0, 0.0);
         assert!((free.0 / 4.5 - 1.0).abs() < 0.02, "{free:?}");
     }
 
     #[test]
-    fn what_the_edge_of_a_near_wall_hides_is_told_and_keeps_its_light() {
-        let ([half, free], partial) = judged(&raised(1.0, 10.1), &[(9.0, 0.9, 5.0)]);
-        assert_eq!(partial, [true, false]);
+    fn what_the_edge_of_a_near_wall_hides_keeps_its_light() {
+        let [half, free] = judged(&raised(1.0, 10.1), &[(9.0, 0.9, 5.0)]);
         assert!((half.0 / free.0 - 1.0).abs() < 0.02, "{half:?} {free:?}");
     }
 
     #[test]
     fn nothing_shines_through_the_gaps_of_a_far_wall() {
-        let ([closed, open], _) = judged(&wall(5.0), &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
+        let [closed, open] = judged(&wall(5.0), &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
         assert!((closed.0 - 1.0).abs() < 1e-3 && (closed.1 - 5.0).abs() < 1e-3, "{closed:?}");
         assert!(open.0 > 25.0, "{open:?}");
     }
@@ -229,7 +203,7 @@ pub(crate) mod tests {
     #[test]
     fn a_wall_with_a_slit_hides_nothing_that_is_seen_through_it() {
         let scene = raised(5.0, 10.5);
-        let ([seen, _], _) = judged(&scene, &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
+        let [seen, _] = judged(&scene, &[(5.0, 0.7, 1.0), (50.0, 0.3, 100.0)]);
         assert!(seen.0 > 25.0, "{seen:?}");
     }
 }

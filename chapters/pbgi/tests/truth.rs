@@ -65,15 +65,20 @@ fn errors(all: &[LightKnobs]) -> Vec<f64> {
     })
 }
 
-/// A room of side 2 in a PLY file, with a lamp of two triangles that shines to both sides just under the ceiling.
-fn room_with_a_panel() -> Scene {
+/// A room of side 2 in a PLY file, with what else quads of these corners show in it; the last shines to both sides.
+fn room_with(quads: &[[[f32; 3]; 4]]) -> Scene {
     let corners = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| 2.0 * c as f32));
-    let lamp = [[0.6, 0.6], [1.4, 0.6], [1.4, 1.4], [0.6, 1.4]].map(|[x, z]| [x, 1.995, z]);
-    let mut file = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\n\
-                    element face 7\nproperty list uchar int vertex_indices\nend_header\n"
-        .to_string();
-    corners.chain(lamp).for_each(|[x, y, z]| file += &format!("{x} {y} {z}\n"));
-    file += "4 0 2 6 4\n4 1 5 7 3\n4 0 4 5 1\n4 2 3 7 6\n4 0 1 3 2\n4 4 6 7 5\n4 8 9 10 11\n";
+    let (vertices, faces) = (8 + 4 * quads.len(), 6 + quads.len());
+    let mut file = format!(
+        "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    let all = corners.chain(quads.iter().flatten().copied());
+    all.for_each(|[x, y, z]| file += &format!("{x} {y} {z}\n"));
+    file += "4 0 2 6 4\n4 1 5 7 3\n4 0 4 5 1\n4 2 3 7 6\n4 0 1 3 2\n4 4 6 7 5\n";
+    for i in (8..vertices).step_by(4) {
+        file += &format!("4 {i} {} {} {}\n", i + 1, i + 2, i + 3);
+    }
     let mut door = Door::new("room.ply", &(), Budget::default());
     let mut scene = read_scene("room.ply", file.as_bytes(), Up::Y, &mut door).unwrap();
     scene.materials.iter_mut().for_each(|m| m.double_sided = true);
@@ -82,6 +87,52 @@ fn room_with_a_panel() -> Scene {
     let id = MaterialId::new(scene.materials.len() - 1);
     scene.meshes[0].materials.iter_mut().rev().take(2).for_each(|m| *m = id);
     scene
+}
+
+/// With a lamp just under the ceiling.
+fn room_with_a_panel() -> Scene {
+    room_with(&[[[0.6, 0.6], [1.4, 0.6], [1.4, 1.4], [0.6, 1.4]].map(|[x, z]| [x, 1.995, z])])
+}
+
+/// With a lamp in a shade that is open above and below.
+fn room_with_a_lampshade() -> Scene {
+    let around = [[0.85, 0.85], [1.15, 0.85], [1.15, 1.15], [0.85, 1.15]];
+    let wall = |k: usize| {
+        let ([a, b], [c, d]) = (around[k], around[(k + 1) % 4]);
+        [[a, 0.8, b], [c, 0.8, d], [c, 1.2, d], [a, 1.2, b]]
+    };
+    let lamp = [[0.95, 0.95], [1.05, 0.95], [1.05, 1.05], [0.95, 1.05]].map(|[x, z]| [x, 1.0, z]);
+    room_with(&[wall(0), wall(1), wall(2), wall(3), lamp])
+}
+
+/// The lit inside of a shade is far brighter than all else, and does not shine through it onto the wall.
+#[test]
+fn a_lampshade_keeps_the_light_of_its_inside() {
+    let scene = room_with_a_lampshade();
+    lit_by_itself(&scene, |scene, lit, run| {
+        let eye = Projection::Perspective { fov_y: 1.5 };
+        let pose = Pose::look_at(vec3(1.0, 1.0, 0.05), vec3(1.0, 1.0, 2.0), Vec3::Y, eye);
+        let buffer = GBuffer::trace(lit.tracer, lit.surfaces, &pose, (48, 48), run).unwrap();
+        let truth = truth(lit, &buffer, run);
+        let sum = |some: &Plane<[f32; 3]>, rows: std::ops::Range<usize>| -> f32 {
+            rows.flat_map(|y| (0..14).map(move |x| (x, y))).map(|p| some[p][1]).sum()
+        };
+        for error_bound in [0.1, 0.0] {
+            let knobs =
+                LightKnobs { surfels: 60_000, bounces: 1, error_bound, ..LightKnobs::default() };
+            let sites = sites(scene, lit.tracer.frame, knobs.surfels as usize);
+            let prepared = prepare(lit, &sites, &knobs, run).unwrap();
+            let found = indirect(&prepared, &buffer, run).unwrap().irradiance;
+            let reflected = |e: &[f32; 3], a: &[f32; 3]| {
+                std::array::from_fn(|c| a[c] * e[c] / std::f32::consts::PI)
+            };
+            let found = found.zip(&buffer.base_colour, reflected).unwrap();
+            for rows in [0..10, 20..28, 38..48] {
+                let share = sum(&found, rows.clone()) / sum(&truth, rows.clone());
+                assert!((share - 1.0).abs() < 0.1, "{error_bound} {rows:?}: {share}");
+            }
+        }
+    })
 }
 
 /// What the lamp lights close above it is not seen through it, and the ceiling beside it is as bright as it is.
