@@ -4,6 +4,7 @@
 //! - [`random`]: randomness that depends on a seed and an index, never on an order.
 //! - [`reduce`]: parallel sums of fixed shape, the same bits for any number of threads.
 //! - [`prefetch`]: asks for memory that will be needed soon.
+//! - [`widely`]: loops in the widest vectors that the machine has.
 //! - [`Sets`]: numbers that belong together.
 //! - [`isotonic`]: the nearest values that never fall.
 //! - [`typed_id!`]: indices that cannot be mixed up.
@@ -20,6 +21,7 @@ pub mod random;
 pub mod reduce;
 mod run;
 mod sets;
+mod wide;
 
 pub use error::{Error, Result};
 pub use isotonic::isotonic;
@@ -27,6 +29,7 @@ pub use knob::{Knob, KnobKind, KnobValue, Knobs, Value, nearest};
 pub use prefetch::prefetch;
 pub use run::{Cancel, Observer, Run};
 pub use sets::Sets;
+pub use wide::widely;
 
 /// The vector and matrix types of the workspace. One crate re-exports them, so that a change of
 /// the underlying library is a change in one place.

@@ -17,6 +17,7 @@
 //! or small.
 
 use crate::{Plane, Runs};
+use chiaro_basis::widely;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -197,52 +198,23 @@ pub(super) fn convolve_along_y<const C: usize>(
 
 /// `sum += weight * values`, as far as both reach, in the widest vectors that the machine has.
 fn add_scaled(sum: &mut [f32], values: &[f32], weight: f32) {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        #[allow(
-            unsafe_code,
-            reason = "weights in all fell from 63 to 56 ns a pixel; the machine was asked for what it needs"
-        )]
-        // SAFETY: the machine has AVX2, which is all that the function asks for.
-        return unsafe { add_scaled_in_eights(sum, values, weight) };
-    }
-    add_scaled_plainly(sum, values, weight);
+    widely(add_scaled_plainly, (sum, values, weight));
 }
 
 /// [`add_scaled`] of the first values and then of the second.
 fn add_both(sum: &mut [f32], values: [&[f32]; 2], weight: f32) {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        #[allow(unsafe_code, reason = "as above")]
-        // SAFETY: the machine has AVX2, which is all that the function asks for.
-        return unsafe { add_both_in_eights(sum, values, weight) };
-    }
-    add_both_plainly(sum, values, weight);
-}
-
-/// [`add_scaled_plainly`], compiled for vectors of eight: the same operations, so the same bytes.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn add_scaled_in_eights(sum: &mut [f32], values: &[f32], weight: f32) {
-    add_scaled_plainly(sum, values, weight);
-}
-
-/// [`add_both_plainly`], compiled for vectors of eight.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn add_both_in_eights(sum: &mut [f32], values: [&[f32]; 2], weight: f32) {
-    add_both_plainly(sum, values, weight);
+    widely(add_both_plainly, (sum, values, weight));
 }
 
 #[inline(always)]
-fn add_scaled_plainly(sum: &mut [f32], values: &[f32], weight: f32) {
+fn add_scaled_plainly((sum, values, weight): (&mut [f32], &[f32], f32)) {
     for (s, v) in sum.iter_mut().zip(values) {
         *s += weight * v;
     }
 }
 
 #[inline(always)]
-fn add_both_plainly(sum: &mut [f32], [first, second]: [&[f32]; 2], weight: f32) {
+fn add_both_plainly((sum, [first, second], weight): (&mut [f32], [&[f32]; 2], f32)) {
     for ((s, a), b) in sum.iter_mut().zip(first).zip(second) {
         *s = *s + weight * a + weight * b;
     }
@@ -318,13 +290,7 @@ fn gather<const C: usize>(
         |row, (y, out)| {
             for run in have.row(y) {
                 line(y, run.clone(), &mut row[run.clone()]);
-                for (pixel, (first, weights)) in row[run.clone()].iter().zip(&columns[run]) {
-                    for (cell, weight) in out[*first..*first + 3].iter_mut().zip(weights) {
-                        for (sum, v) in cell.iter_mut().zip(pixel) {
-                            *sum += weight * v;
-                        }
-                    }
-                }
+                add_to_cells(out, &row[run.clone()], &columns[run]);
             }
         },
     );
@@ -338,6 +304,26 @@ fn gather<const C: usize>(
         }
     };
     finished(&coarser(have, factor), down, |sum| *sum)
+}
+
+/// Adds neighbouring pixels to the cells that they fall on, in their order. A pixel's three cells are kept
+/// at hand, since the next one adds to the same, or to these but one.
+fn add_to_cells<const C: usize>(cells: &mut [[f32; C]], pixels: &[[f32; C]], columns: &[Cells]) {
+    let Some(&(mut at, _)) = columns.first() else { return };
+    let mut sums = [cells[at], cells[at + 1], cells[at + 2]];
+    for (pixel, &(first, weights)) in pixels.iter().zip(columns) {
+        if first != at {
+            cells[at] = sums[0];
+            sums = [sums[1], sums[2], cells[first + 2]];
+            at = first;
+        }
+        for (sum, weight) in sums.iter_mut().zip(weights) {
+            for (sum, v) in sum.iter_mut().zip(pixel) {
+                *sum += weight * v;
+            }
+        }
+    }
+    cells[at..at + 3].copy_from_slice(&sums);
 }
 
 /// Spreads a coarse plane back over runs of pixels, finished one by one.
@@ -408,11 +394,11 @@ mod tests {
         let values: Vec<f32> = (0..103).map(|i| random::unit(4, i) - 0.5).collect();
         let (mut wide, mut plain) = (values.clone(), values.clone());
         add_scaled(&mut wide[2..], &values, 0.37);
-        add_scaled_plainly(&mut plain[2..], &values, 0.37);
+        add_scaled_plainly((&mut plain[2..], &values, 0.37));
         assert_eq!(wide, plain);
         add_both(&mut wide, [&values[3..], &values[1..]], 0.23);
-        add_scaled_plainly(&mut plain[..100], &values[3..], 0.23);
-        add_scaled_plainly(&mut plain[..100], &values[1..101], 0.23);
+        add_scaled_plainly((&mut plain[..100], &values[3..], 0.23));
+        add_scaled_plainly((&mut plain[..100], &values[1..101], 0.23));
         assert_eq!(wide[..100], plain[..100]);
     }
 

@@ -51,6 +51,7 @@ impl Means {
 
     /// The means of a run of row `y` of covered pixels, one slice a component. `line` is kept from one
     /// run to the next.
+    #[inline(always)]
     pub fn row(
         &self,
         y: usize,
