@@ -17,7 +17,7 @@ pub(crate) const CREASE: u8 = DRAWN | 64;
 const DRAWN: u8 = 1;
 
 /// A mark's pixel, and on which side: 0 to its right, 1 below.
-type Mark = (usize, usize, usize);
+pub(crate) type Mark = (usize, usize, usize);
 
 /// Draws the faint marks that hang together with drawn ones (1: to the right, 2: below), and drops the
 /// others. `marks` are rows of `width` pixels.
@@ -64,7 +64,7 @@ fn goes_on(marks: &[u8], mark: Mark, size: (usize, usize)) -> bool {
 }
 
 /// The marks that meet one at each of its two ends, itself among them.
-fn ends((x, y, side): Mark, (w, h): (usize, usize)) -> [[Option<Mark>; 4]; 2] {
+pub(crate) fn ends((x, y, side): Mark, (w, h): (usize, usize)) -> [[Option<Mark>; 4]; 2] {
     // A mark's ends are corners of pixels: the lower right one of its own, and the one above or left.
     let corners = [(x + 1, y + 1), if side == 0 { (x + 1, y) } else { (x, y + 1) }];
     corners.map(|(x, y)| {

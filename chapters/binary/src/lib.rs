@@ -13,6 +13,7 @@
 
 mod appearance;
 mod baseline;
+mod bridge;
 mod cel;
 mod compose;
 mod cut;
@@ -33,6 +34,7 @@ mod palette;
 mod patch;
 mod plateau;
 mod price;
+mod room;
 mod round;
 mod rows;
 mod shade;

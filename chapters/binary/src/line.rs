@@ -8,10 +8,12 @@
 //! cut a sliver off, gets none. A crease beside a step or another object, nearer than a line is wide,
 //! leaves the line to that.
 
+use crate::bridge::{DRAWN, bridge};
 use crate::faint::{CREASE, FAINT, FAINT_CREASE, go_on};
 use crate::geometry::{angle, depth_step};
 use crate::halo::behind;
 use crate::knob::{BinaryKnobs, DepthForm, scaled};
+use crate::room::{Ground, next};
 use chiaro_basis::math::Vec3;
 use chiaro_image::{Plane, filter};
 use chiaro_ink::{Cracks, Polyline};
@@ -25,8 +27,6 @@ const WIDEST_GAP: f32 = 10.0;
 const LEAST_DASH: f32 = 3.0;
 /// Features this near to a map's lines are those that it draws; pixels at 480.
 const MAP_REACH: f32 = 2.0;
-/// How far from the middle of a line a region must reach on either side, in widths of the line.
-const ROOM: f32 = 1.25;
 /// Lines go on where a depth step is over so much of the least that draws one, and creases where a bend
 /// is: at 40 degrees, over 32, so that sides of cylinders of twelve faces are none.
 const FAINTEST: f32 = 0.5;
@@ -72,23 +72,19 @@ impl Lines {
         let least = scaled(LEAST_DASH, h).min(shortest);
         let gap = scaled(WIDEST_GAP, h);
         let rounds = (2.0 * scaled(1.0, h)).ceil() as usize;
-        let label = |p: Pixel| if covered[p] { white[p] } else { paper_is_white };
         let width = scaled(knobs.line_width, h);
-        let is_side = |p: Pixel, side: bool| {
-            label(p) == side || is_narrow((w, h), p, width, |p| label(p) != side)
-        };
-        let has_room = |p: Pixel, axis: usize, side: bool| {
-            let holds = |p: Pixel| label(p) == side;
-            has_room((w, h), p, axis, (ROOM * width).ceil() as usize, holds)
-        };
+        let ground = Ground { white, covered, paper_is_white, width };
         let lines = |side: bool| {
-            let marked = |x: usize, y: usize, axis: usize| {
-                let q = if axis == 0 { (x + 1, y) } else { (x, y + 1) };
-                let feature = features.marks[(x, y)] & (1 << axis) != 0;
-                let feature = feature && !(features.in_halo((x, y)) && features.in_halo(q));
-                feature && is_side((x, y), side) && is_side(q, side) && has_room((x, y), axis, side)
-            };
-            Cracks::mark(w, h, marked).joined(least, gap, shortest, rounds)
+            let mut marks = Plane::from_fn(w, h, |x, y| {
+                let mark = |axis| match features.run((x, y), axis) {
+                    true => ground.mark((x, y), axis, side),
+                    false => 0,
+                };
+                mark(0) | mark(1) << 1
+            });
+            bridge(&mut marks);
+            let is_drawn = |x: usize, y: usize, axis: usize| marks[(x, y)] & DRAWN << axis != 0;
+            Cracks::mark(w, h, is_drawn).joined(least, gap, shortest, rounds)
         };
         Self {
             black: if knobs.line_black { lines(true) } else { Vec::new() },
@@ -96,37 +92,6 @@ impl Lines {
             width,
         }
     }
-}
-
-/// Whether what holds at a pixel holds less far than `width` pixels, across or down.
-fn is_narrow((w, h): Pixel, p: Pixel, width: f32, holds: impl Fn(Pixel) -> bool) -> bool {
-    let most = width.ceil() as usize;
-    let run = |at: usize, end: usize, holds: &dyn Fn(usize) -> bool| {
-        let after = (at + 1..end).take(most).take_while(|i| holds(*i)).count();
-        let before = (0..at).rev().take(most).take_while(|i| holds(*i)).count();
-        // What goes on beyond the picture is wide.
-        let leaves = at + after + 1 == end || before == at;
-        if leaves { most } else { 1 + before + after }
-    };
-    let across = run(p.0, w, &|x| holds((x, p.1)));
-    let down = run(p.1, h, &|y| holds((p.0, y)));
-    (across.min(down) as f32) < width
-}
-
-/// Whether a region has room for a line between a pixel and the next one along an axis: so many
-/// pixels on each side, unless they are not the region's own.
-fn has_room(
-    (w, h): Pixel,
-    (x, y): Pixel,
-    axis: usize,
-    least: usize,
-    holds: impl Fn(Pixel) -> bool,
-) -> bool {
-    let (at, end) = if axis == 0 { (x, w) } else { (y, h) };
-    let holds = |i: usize| holds(if axis == 0 { (i, y) } else { (x, i) });
-    let mut before = at.saturating_sub(least - 1)..=at;
-    let mut after = at + 1..(at + 1 + least).min(end);
-    (!holds(at) || before.all(holds)) && (!holds(at + 1) || after.all(holds))
 }
 
 /// Where lines may run, whatever the labels: between which pixels there is a depth step, a crease,
@@ -194,6 +159,12 @@ impl Features {
             }
             None => labels.clone(),
         }
+    }
+
+    /// Whether a feature runs between a pixel and the next one along an axis that no gap hides.
+    fn run(&self, p: Pixel, axis: usize) -> bool {
+        let q = next(p, axis);
+        self.marks[p] & (1 << axis) != 0 && !(self.in_halo(p) && self.in_halo(q))
     }
 
     fn in_halo(&self, p: Pixel) -> bool {
@@ -384,12 +355,11 @@ mod tests {
     use super::*;
     use chiaro_scene::{Pose, Projection};
 
-    /// A white rectangle on paper, black in `rows` of its upper rows between two columns: how long its
-    /// outline is drawn, in pixels.
-    fn outline(rows: usize) -> usize {
+    /// A white rectangle on paper, black where told: how long its outline is drawn, in pixels.
+    fn outline(is_black: impl Fn(usize, usize) -> bool + Sync, knobs: &BinaryKnobs) -> usize {
         let (w, h) = (100, 480);
         let covered = Plane::from_fn(w, h, |x, y| (20..80).contains(&x) && (100..200).contains(&y));
-        let white = Plane::from_fn(w, h, |x, y| !((40..60).contains(&x) && y < 100 + rows));
+        let white = Plane::from_fn(w, h, |x, y| !is_black(x, y));
         let differs = |x: usize, y: usize, (u, v): Pixel| {
             u < w && v < h && covered[(x, y)] != covered[(u, v)]
         };
@@ -397,7 +367,7 @@ mod tests {
             u8::from(differs(x, y, (x + 1, y))) | u8::from(differs(x, y, (x, y + 1))) << 1
         });
         let features = Features { marks, halo: None };
-        let lines = Lines::between(&features, &white, &covered, true, &BinaryKnobs::default());
+        let lines = Lines::between(&features, &white, &covered, true, knobs);
         let length = |line: &Polyline| {
             let ends = line.points.iter().zip(line.points.iter().cycle().skip(1));
             let sides = line.points.len() - usize::from(!line.closed);
@@ -408,9 +378,22 @@ mod tests {
 
     #[test]
     fn outlines_run_on_where_a_region_is_narrower_than_they() {
-        assert_eq!(outline(0), 320);
-        assert_eq!(outline(1), 320);
-        assert_eq!(outline(8), 300);
+        let knobs = BinaryKnobs::default();
+        let below = |rows: usize| {
+            outline(|x: usize, y: usize| (40..60).contains(&x) && y < 100 + rows, &knobs)
+        };
+        assert_eq!(below(0), 320);
+        assert_eq!(below(1), 320);
+        assert_eq!(below(8), 300);
+    }
+
+    #[test]
+    fn wide_outlines_run_on_beside_a_row_of_windows() {
+        let knobs = BinaryKnobs { line_width: 5.0, ..BinaryKnobs::default() };
+        let window = |x: usize, y: usize| (65..77).contains(&x) && (110..190).contains(&y);
+        // Windows of twelve rows, and one of all.
+        assert_eq!(outline(|x, y| window(x, y) && y % 20 < 12, &knobs), 320);
+        assert_eq!(outline(window, &knobs), 240);
     }
 
     #[test]
