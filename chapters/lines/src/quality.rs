@@ -7,6 +7,7 @@ use crate::film::{Film, FilmFrame};
 use crate::gap::{Between, between};
 use crate::parameter::near::Near;
 use crate::parameter::net::{AGREES, DEPTH, REACH, direction, goes_on, is_mere_end, material};
+use crate::path::Kind;
 use crate::stroke::Stroke;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -47,7 +48,7 @@ pub struct Quality {
     /// Share of frame pairs of which a fifth jumps.
     pub broken_pairs: f64,
     /// 95th percentile of what u misses where a line goes on behind what hides it: beside an even texture
-    /// along what is hidden, whole turns of the texture left out, pixels.
+    /// along what is hidden, whole turns of the texture left out, pixels. The seam of a line that closes is no miss.
     pub gap_p95: f64,
     /// 99th percentile over frame pairs of the longest stretch of line that turns from ink to paper or
     /// back along the motion, where half of every 24 pixels of u is ink: what is seen of
@@ -270,16 +271,25 @@ fn own_slides(film: &Film, f: usize) -> Vec<(f64, bool)> {
     slides.iter().map(|(weight, jumps, flow)| (*weight, *jumps || renamed(flow))).collect()
 }
 
-/// What u misses at each gap of a frame, pixels; where a line closes once round it is no miss, but its seam.
+/// What u misses at each gap of a frame, pixels. A line that closes has its seam at one of its gaps: that whose miss
+/// is nearest to once round, and over half of it.
 fn gaps(frame: &FilmFrame) -> Vec<f64> {
-    let off = |Between { strokes, length, around }: Between| {
+    let mut misses = Vec::new();
+    let mut seams: BTreeMap<(Kind, u32), (f64, usize)> = BTreeMap::new();
+    for Between { strokes, length, around } in between(frame.strokes.iter(), &frame.gaps) {
         let [a, b] = strokes.map(|s| &frame.strokes[s]);
         let off = b.u[0] - a.u[a.u.len() - 1] - length / b.pixels_per_u;
         let period = a.begins_anew().or(b.begins_anew()).filter(|p| *p > LEAST_PERIOD);
         let miss = b.pixels_per_u * (off - period.map_or(0.0, |p| (off / p).round() * p)).abs();
-        around.map_or(miss, |around| miss.min((miss - around).abs()))
-    };
-    between(frame.strokes.iter(), &frame.gaps).into_iter().map(off).collect()
+        if let Some(around) = around.filter(|around| miss > 0.5 * around) {
+            let own = ((miss - around).abs(), misses.len());
+            let seam = seams.entry((a.kind, b.samples[0].chain)).or_insert(own);
+            *seam = if own.0 < seam.0 { own } else { *seam };
+        }
+        misses.push(miss);
+    }
+    seams.into_values().for_each(|(_, gap)| misses[gap] = 0.0);
+    misses
 }
 
 /// A number for a stroke of a frame that the parts of one line share.

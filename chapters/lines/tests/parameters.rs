@@ -172,6 +172,24 @@ fn what_hides_a_ring_in_two_places_moves_no_seam() {
 }
 
 #[test]
+fn the_seam_of_a_ring_that_shrinks_is_no_gap() {
+    let (mut positions, mut triangles) = ball(48, 24);
+    let first = positions.len() as u32;
+    let corners = [[-0.3, -1.2], [0.7, -1.2], [0.7, 1.2], [-0.3, 1.2]];
+    positions.extend(corners.map(|p| vec3(p[0] - 1.0, p[1], 1.5)));
+    triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| first + v)));
+    let scene = scene(positions, triangles, false);
+    let still = frame(&scene);
+    let at = |i: usize| {
+        let shrunk =
+            |p: Vec3| if p.z > 1.2 { p } else { p * vec3(1.0 - 0.03 * i as f32, 1.0, 1.0) };
+        (moved(&still, shrunk), flat_view(vec3(0.0, 0.0, 7.0)))
+    };
+    let (_, q) = solve(&mut film(&scene, 12, &at), &plain());
+    assert!(q.gap_p95 < 1.0, "{q:?}");
+}
+
+#[test]
 fn pieces_of_a_cut_line_are_drawn_as_one() {
     let mut film = torus_film(16, 6.0);
     solve(&mut film, &LinesKnobs { cuts: Cuts::Both, ..plain() });

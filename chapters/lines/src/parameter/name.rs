@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 const OVERLAP: f64 = 0.1;
 const LEAST: f64 = 20.0;
 /// Lines are one where links lead from one to the other along this share of the shorter.
-const LED: f64 = 0.15;
+pub(super) const LED: f64 = 0.15;
 /// Nothing merges and nothing parts where links take in this share of the longer.
 const PURE: f64 = 0.8;
 /// Links that were cut count against a line's going on where they are this share of all.
@@ -98,7 +98,7 @@ fn overlaps(a: &Span, b: &Span) -> bool {
 }
 
 /// Weight of the links from line to line: those that are trusted, and all.
-fn weights(net: &Net, trust: &[f64]) -> BTreeMap<[u32; 2], [f64; 2]> {
+pub(super) fn weights(net: &Net, trust: &[f64]) -> BTreeMap<[u32; 2], [f64; 2]> {
     let mut weights: BTreeMap<[u32; 2], [f64; 2]> = BTreeMap::new();
     for (link, trust) in net.links.iter().zip(trust) {
         let sums = weights.entry(link.lines).or_insert([0.0; 2]);

@@ -7,9 +7,11 @@
 
 use super::chart::components;
 use super::cut::{Kept, medians};
+use super::name::{LED, weights};
 use super::net::{Net, strokes};
 use crate::film::Film;
 use crate::gap::{Between, between};
+use chiaro_basis::Sets;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Shorter gaps are none, pixels: weights are the reciprocal of their length.
@@ -101,7 +103,44 @@ pub(crate) fn agreeing(
         let weight = if agrees { UNSEEN } else { LOOSE };
         (miss <= sigma && (agrees || alone())).then_some(Across { weight, ..gap })
     };
-    all.into_iter().zip(misses).filter_map(weighed).collect()
+    let gaps: Vec<Across> = all.into_iter().zip(misses).filter_map(weighed).collect();
+    let strays = strays(net, kept, scale, (&group, &held(&gaps, &group), sigma));
+    strays.into_iter().for_each(|link| kept.trust[link] = 0.0);
+    gaps
+}
+
+/// For each group the first of those that gaps which agree hold together.
+fn held(gaps: &[Across], group: &[u32]) -> Vec<u32> {
+    let mut sets = Sets::new(group.len());
+    for gap in gaps.iter().filter(|gap| gap.weight == UNSEEN) {
+        let [a, b] = gap.lines.map(|l| group[l as usize] as usize);
+        sets.join(a, b);
+    }
+    (0..group.len()).map(|g| sets.root(g) as u32).collect()
+}
+
+/// Links between groups that gaps hold together, too few to have joined them, that contradict the gaps: where a line
+/// ends beside another a sample of it may lead there, and be trusted, as nothing else ties the two.
+fn strays(
+    net: &Net,
+    kept: &Kept,
+    scale: &[f64],
+    (group, held, sigma): (&[u32], &[u32], f64),
+) -> Vec<usize> {
+    let weights = weights(net, &kept.trust);
+    let is_stray = |i: &usize| {
+        let link = &net.links[*i];
+        let [a, b] = link.lines.map(|l| group[l as usize]);
+        if a == b || held[a as usize] != held[b as usize] || kept.trust[*i] == 0.0 {
+            return false;
+        }
+        let [from, to] = link.to.map(|k| kept.u[k as usize]);
+        let off = kept.u[link.from as usize] - from - (to - from) * link.share - kept.wraps[*i];
+        let shorter = link.lines.iter().map(|l| net.lines[*l as usize].total());
+        let few = weights[&link.lines][0] < LED * shorter.fold(f64::INFINITY, f64::min);
+        few && off.abs() * scale[link.lines[0] as usize] > sigma
+    };
+    (0..net.links.len()).filter(is_stray).collect()
 }
 
 /// By how much the second of two groups is to be moved back beside the first, heaviest first.
@@ -151,4 +190,68 @@ fn moves(says: Vec<([u32; 2], f64)>, count: usize) -> (Vec<f64>, BTreeSet<[u32; 
         }
     }
     ((0..count as u32).map(|g| super::part::root(&mut trees, g).1).collect(), tied)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::net::{Line, Link};
+    use super::*;
+
+    #[test]
+    fn a_stray_link_is_left_out_where_a_gap_contradicts_it() {
+        // Two lines in two frames; the end of the first leads to the start of the second too.
+        let line = |frame, first, count: u32| Line {
+            frame,
+            first,
+            count,
+            closed: false,
+            length: (0..count).map(|k| 3.0 * f64::from(k)).collect(),
+        };
+        let link = |from: u32, to: u32, lines| Link {
+            from,
+            to: [to, to + 1],
+            share: 0.0,
+            around: false,
+            lines,
+            weight: 3.0,
+        };
+        let against = |count: u32, moved: f64| {
+            let n = 21 + count;
+            let lines =
+                vec![line(0, 0, 21), line(0, 21, count), line(1, n, 21), line(1, n + 21, count)];
+            let first = (0..20).map(|k| link(k, n + k, [0, 2]));
+            let second = (0..count - 1).map(|k| link(21 + k, n + 21 + k, [1, 3]));
+            let stray = link(20, n + 21, [0, 3]);
+            let links: Vec<Link> = first.chain(second).chain([stray]).collect();
+            let net = Net { lines, frames: vec![0, 2, 4], links, unknowns: 2 * n as usize };
+            let of_frame = (0..21).chain(20..20 + count).map(f64::from);
+            let mut u: Vec<f64> = of_frame.clone().chain(of_frame).map(|k| 0.3 * k).collect();
+            let trust = vec![1.0; net.links.len()];
+            let group = components(&net, &trust, &[0, 1, 2, 3]);
+            for (line, _) in net.lines.iter().zip(&group).filter(|(_, g)| **g == 1) {
+                let samples = line.first as usize..(line.first + line.count) as usize;
+                u[samples].iter_mut().for_each(|u| *u += moved);
+            }
+            let wraps = vec![0.0; net.links.len()];
+            let residual = Vec::new();
+            let kept = Kept { trust, wraps, cut: 0, cut_length: 0.0, residual, u };
+            let scale = vec![10.0; 4];
+            let gap = |weight| Across {
+                lines: [0, 1],
+                unknowns: [20, 21],
+                length: 30.0,
+                turns: 0.0,
+                weight,
+            };
+            let strays_by =
+                |weight| strays(&net, &kept, &scale, (&group, &held(&[gap(weight)], &group), 8.0));
+            // A gap that disagrees holds nothing.
+            assert!(strays_by(LOOSE).is_empty());
+            strays_by(UNSEEN)
+        };
+        assert_eq!(against(21, 30.0), [40]);
+        assert!(against(21, 0.5).is_empty());
+        // Of a line of four samples it is a third.
+        assert!(against(4, 30.0).is_empty());
+    }
 }
