@@ -39,10 +39,15 @@ pub struct Scenery<'a> {
 impl Scenery<'_> {
     /// The paths of the silhouettes, g given at the vertices.
     pub fn silhouettes(&self, slice: &Slice, g: &[f64]) -> Vec<Path> {
-        let (mut sags, solids) = (Sags::new(self), Solids::of(self));
+        self.silhouettes_of(slice, g, &Solids::of(self))
+    }
+
+    /// The same where it is known which pieces are solids.
+    pub(crate) fn silhouettes_of(&self, slice: &Slice, g: &[f64], solids: &Solids) -> Vec<Path> {
+        let mut sags = Sags::new(self);
         let chains = slice.chains.iter().enumerate();
         let path = |(i, chain): (usize, &Chain)| {
-            self.silhouette((i as u32, chain), slice, g, &mut sags, &solids)
+            self.silhouette((i as u32, chain), slice, g, &mut sags, solids)
         };
         chains.map(path).collect()
     }

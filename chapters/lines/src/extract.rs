@@ -12,6 +12,7 @@ use crate::path::{Kind, Path};
 use crate::posed::Posed;
 use crate::sight::Sight;
 use crate::slice::Slice;
+use crate::solid::Solids;
 use crate::stroke::{Owner, Stroke};
 use crate::surface::Surface;
 use crate::view::View;
@@ -91,10 +92,11 @@ impl Lines {
         let g = moment.posed.facing(view);
         let slice = Slice::of(surface, &g);
         let mut paths = features.paths(&scenery, &g);
-        paths.extend(scenery.silhouettes(&slice, &g));
+        let solids = Solids::of(&scenery);
+        paths.extend(scenery.silhouettes_of(&slice, &g, &solids));
         let sets = zero_sets(&scenery, &g, knobs);
         paths.extend(sets.iter().flat_map(|set| scenery.trimmed(set)));
-        let sight = Sight::new(&scenery, masks);
+        let sight = Sight::new(&scenery, masks, &solids);
         if knobs.intersection {
             paths.extend(intersections(&scenery, &sight));
         }

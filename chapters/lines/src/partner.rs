@@ -102,14 +102,14 @@ impl Pair<'_> {
             Some(window) => {
                 let strokes = self.targets.0.get(&(stroke.kind, window.chain))?;
                 let holds = |s: &Sample| s.chain == window.chain && window.holds(s.on_chain);
-                self.nearest(at, strokes.iter().copied(), &holds)
+                self.nearest(at, strokes.iter().copied(), holds)
             }
             None => {
                 let strokes = (0..)
                     .zip(&self.next.strokes)
                     .filter(|(_, s)| s.kind == stroke.kind && (!self.remade || s.id == stroke.id));
                 let near = |p: Partner| p.distance <= REACH;
-                self.nearest(at, strokes.map(|s| s.0), &|_| true).filter(|p| near(*p))
+                self.nearest(at, strokes.map(|s| s.0), |_| true).filter(|p| near(*p))
             }
         }
     }
@@ -137,12 +137,15 @@ impl Pair<'_> {
         &self,
         at: DVec2,
         strokes: impl Iterator<Item = u32>,
-        holds: &dyn Fn(&Sample) -> bool,
+        holds: impl Fn(&Sample) -> bool,
     ) -> Option<Partner> {
         let mut best: Option<Partner> = None;
         for index in strokes {
-            for (k, a, b) in segments(&self.next.strokes[index as usize]) {
-                if !holds(a) && !holds(b) {
+            let stroke = &self.next.strokes[index as usize];
+            let mut is_held = stroke.samples.first().is_some_and(&holds);
+            for (k, a, b) in segments(stroke) {
+                let was_held = std::mem::replace(&mut is_held, holds(b));
+                if !was_held && !is_held {
                     continue;
                 }
                 let (share, distance) = nearest(at, a.at, b.at);

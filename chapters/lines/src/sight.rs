@@ -6,8 +6,9 @@
 //! Where there are many faces most are hidden: a depth buffer ([`Cover`]) answers first.
 
 use crate::contour::Scenery;
-use crate::cover::Cover;
+use crate::cover::{Corner, Cover};
 use crate::mask::Masks;
+use crate::solid::Solids;
 use crate::surface::{NONE, Surface};
 use crate::view::{Seen, View};
 use chiaro_basis::math::DVec2;
@@ -76,7 +77,7 @@ impl Bounds {
 
 impl<'a> Sight<'a> {
     /// Sorts the faces that hide what is behind; `masks`: holes in faces.
-    pub fn new(scenery: &Scenery<'a>, masks: &'a Masks) -> Self {
+    pub(crate) fn new(scenery: &Scenery<'a>, masks: &'a Masks, solids: &Solids) -> Self {
         let Scenery { surface, posed, view, .. } = *scenery;
         let vertices: Vec<[f64; 4]> =
             posed.positions.iter().map(|p| view.homogeneous(*p)).collect();
@@ -84,24 +85,36 @@ impl<'a> Sight<'a> {
         let whole = Grid::of(view, scenery.margin, TILES[2]);
         let mut shown: Vec<(u32, Bounds)> = Vec::new();
         let mut cover = (surface.real_faces >= MANY).then(|| Cover::new(view));
+        let flat: Vec<DVec2> =
+            vertices.iter().map(|[x, y, w, _]| DVec2::new(x / w, y / w)).collect();
+        let corner = |cover: &Cover, v: usize| cover.corner(flat[v], vertices[v][3]);
+        let covering: Vec<Corner> =
+            cover.iter().flat_map(|c| (0..flat.len()).map(|v| corner(c, v))).collect();
         for (f, face) in surface.faces[..surface.real_faces].iter().enumerate() {
             let corners = face.map(|v| vertices[v as usize]);
             let Some(front) = shows_front(&corners) else { continue };
             if !surface.hides(f, front) {
                 continue;
             }
-            let Some((low, high)) = extent(&corners, near) else { continue };
             let nearest = corners.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
+            let extent = if nearest > near {
+                let [a, b, c] = face.map(|v| flat[v as usize]);
+                Some((a.min(b).min(c), a.max(b).max(c)))
+            } else {
+                extent(&corners, near)
+            };
+            let Some((low, high)) = extent else { continue };
             let bounds = Bounds::of(low, high, nearest);
-            if whole.span(&bounds).is_none() {
+            if !whole.reaches(&bounds) {
                 continue;
             }
             shown.push((f as u32, bounds));
             if let Some(cover) = &mut cover
                 && nearest > near
+                && (front || !solids.is_outside(surface.pieces[f]))
                 && !masks.has(f as u32)
             {
-                cover.add(&corners);
+                cover.add(&face.map(|v| covering[v as usize]));
             }
         }
         if let Some(cover) = &cover {
@@ -284,22 +297,33 @@ impl Grid {
         }
     }
 
+    /// A picture position in tiles from the first; what is whole in it tells the tile.
+    fn place(&self, p: DVec2) -> DVec2 {
+        p / self.tile + self.rim
+    }
+
     /// The tile of a picture position.
     fn at(&self, p: DVec2) -> Option<usize> {
-        let place = (p / self.tile).floor() + self.rim;
+        let place = self.place(p);
         let inside = place.cmpge(DVec2::ZERO).all()
             && place.x < self.columns as f64
             && place.y < self.rows as f64;
         inside.then(|| place.y as usize * self.columns + place.x as usize)
     }
 
+    /// Whether a face may cover any tile.
+    fn reaches(&self, bounds: &Bounds) -> bool {
+        let [low, high] = [bounds.low(), bounds.high()].map(|p| self.place(p));
+        low.x < self.columns as f64 && low.y < self.rows as f64 && high.x >= 0.0 && high.y >= 0.0
+    }
+
     /// First and last column and row of the tiles that a face may cover.
     fn span(&self, bounds: &Bounds) -> Option<[u32; 4]> {
         let (w, h) = (self.columns as f64, self.rows as f64);
-        let [low, high] = [bounds.low(), bounds.high()].map(|p| (p / self.tile).floor() + self.rim);
-        let outside = !(low.x < w && low.y < h && high.x >= 0.0 && high.y >= 0.0);
+        let [low, high] = [bounds.low(), bounds.high()].map(|p| self.place(p));
         let clamp = |v: f64, most: f64| v.clamp(0.0, most - 1.0) as u32;
-        (!outside).then(|| [clamp(low.x, w), clamp(low.y, h), clamp(high.x, w), clamp(high.y, h)])
+        let span = || [clamp(low.x, w), clamp(low.y, h), clamp(high.x, w), clamp(high.y, h)];
+        self.reaches(bounds).then(span)
     }
 
     /// How many tiles a face may cover.

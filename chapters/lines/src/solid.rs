@@ -49,6 +49,11 @@ impl Solids {
         Self { windings: windings.collect() }
     }
 
+    /// Whether a piece is a solid with the eye outside: its fronts hide its backs.
+    pub(crate) fn is_outside(&self, piece: u32) -> bool {
+        self.windings.get(piece as usize) == Some(&Some([1, 0, 0]))
+    }
+
     /// Whether a fold of a piece surely lies beyond another part of it; of what is not closed nothing is sure.
     pub(crate) fn buries(&self, piece: u32, convex: bool, two_sided: bool) -> bool {
         match self.windings.get(piece as usize) {

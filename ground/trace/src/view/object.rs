@@ -102,6 +102,7 @@ fn grounds(frame: &Frame) -> Vec<bool> {
 /// leave out of a view is under a hundredth of its size.
 fn extremes(frame: &Frame, ground: &[bool]) -> Vec<Vec3> {
     const FEW: usize = 2000;
+    const NEAR_BY: usize = 32;
     let objects = || frame.objects.iter().zip(ground).filter(|(_, g)| !**g).map(|(o, _)| o);
     let count: usize = objects().map(|o| frame.shapes[o.shape].positions.len()).sum();
     let points: Vec<Vec3> =
@@ -111,13 +112,20 @@ fn extremes(frame: &Frame, ground: &[bool]) -> Vec<Vec3> {
     }
     let axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|a| [a, -a]);
     let directions: Vec<Vec3> = axes.chain(super::room::sphere(320)).collect();
+    let near_by: Vec<(Bounds, &[Vec3])> =
+        points.chunks(NEAR_BY).map(|p| (Bounds::of(p.iter().copied()), p)).collect();
     let farthest = |d: &Vec3| {
-        let start = (f32::NEG_INFINITY, Vec3::ZERO);
-        let far = |best: (f32, Vec3), p: &Vec3| {
-            let reach = p.dot(*d);
-            if reach > best.0 { (reach, *p) } else { best }
-        };
-        points.iter().fold(start, far)
+        let mut best = (f32::NEG_INFINITY, Vec3::ZERO);
+        for (bounds, points) in &near_by {
+            // No point of a box is farther than this, rounded as theirs are.
+            if (bounds.min * *d).max(bounds.max * *d).dot(Vec3::ONE) > best.0 {
+                best = points.iter().fold(best, |best, p| {
+                    let reach = p.dot(*d);
+                    if reach > best.0 { (reach, *p) } else { best }
+                });
+            }
+        }
+        best
     };
     let found: Vec<(f32, Vec3)> = directions.par_iter().map(farthest).collect();
     found.into_iter().filter(|(reach, _)| reach.is_finite()).map(|(_, p)| p).collect()
@@ -159,6 +167,27 @@ mod tests {
             ..Scene::default()
         };
         Poser::new(&scene).frame(0.0, &Playback::default())
+    }
+
+    #[test]
+    fn of_many_points_the_farthest_are_found() {
+        let ball = super::super::room::sphere(3000).enumerate();
+        let positions: Vec<Vec3> =
+            ball.map(|(i, p)| p * (1.0 + 0.1 * (i as f32).sin()) + Vec3::Y).collect();
+        let triangles = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect::<Vec<_>>();
+        let mesh = Mesh {
+            normals: NormalSource::Given(vec![Vec3::Y; positions.len()]),
+            materials: vec![MaterialId::new(0); triangles.len()],
+            positions: positions.clone(),
+            triangles,
+            ..Mesh::default()
+        };
+        let found = extremes(&frame_of(vec![mesh]), &[false]);
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|a| [a, -a]);
+        for (d, found) in axes.chain(super::super::room::sphere(320)).zip(found) {
+            let most = positions.iter().map(|p| p.dot(d)).fold(f32::NEG_INFINITY, f32::max);
+            assert_eq!(found.dot(d), most, "{d}");
+        }
     }
 
     #[test]
