@@ -17,8 +17,9 @@ use chiaro_image::colour::luminance;
 use chiaro_trace::{Tracer, Vertex};
 use std::f32::consts::{FRAC_1_PI, PI};
 
-/// Splats of more than so many times the mean radiance are bright.
+/// Splats of more than so many times the mean radiance are bright, if those in a texel send more than a share of all light.
 const BRIGHT: f32 = 4.0;
+const MUCH: f32 = 0.01;
 /// Surfels that are taken from a splat.
 const SOME: usize = 64;
 /// How far above a surfel rays end, in its radii: further than a coded tree may put it wrong.
@@ -28,7 +29,7 @@ const TESTS: usize = 32;
 const TRIES: usize = 3 * TESTS;
 /// Rays of a receiver to all that is bright, and the least of one group.
 const RAYS: f32 = 128.0;
-const LEAST: f32 = 4.0;
+const LEAST: f32 = 2.0;
 /// So many of a group's are cast first, and the others where these do not agree.
 const FIRST: usize = 16;
 
@@ -70,7 +71,8 @@ pub(crate) fn take<T: Hierarchy>(
     splats: &mut [Splat],
 ) -> Vec<Group> {
     let far = || splats.iter().filter(|s| !s.marks);
-    let sent: f32 = far().map(|s| s.solid_angle * luminance(s.radiance)).sum();
+    let light = |s: &Splat| s.solid_angle * luminance(s.radiance);
+    let sent: f32 = far().map(light).sum();
     let seen: f32 = far().map(|s| s.solid_angle).sum();
     let bright = BRIGHT * sent / seen.max(4.0 * PI);
     let mut found: Vec<(usize, usize)> = (0..splats.len())
@@ -82,6 +84,10 @@ pub(crate) fn take<T: Hierarchy>(
     let mut groups = Vec::new();
     for some in found.chunk_by(|a, b| a.0 == b.0) {
         let of_texel = some.iter().map(|(_, i)| &splats[*i]);
+        let own: f32 = of_texel.clone().map(light).sum();
+        if own < MUCH * sent {
+            continue;
+        }
         if let Some(group) = Group::of(tree, from, (some[0].0, of_texel), &mut surfels) {
             some.iter().for_each(|(_, i)| splats[*i].radiance = [0.0; 3]);
             groups.push(group);
@@ -245,7 +251,7 @@ fn arriving(targets: &[Sample], (at, tracer): (&Vertex, &Tracer), share: f32) ->
     }
     let reached =
         |some: &[Sample]| some.iter().filter(|t| t.is_free(tracer, at) == Some(true)).count();
-    let count = ((share * targets.len() as f32).ceil() as usize).clamp(2, targets.len());
+    let count = ((share * targets.len() as f32).ceil() as usize).clamp(1, targets.len());
     let first = FIRST.min(count);
     let free = reached(&targets[..first]);
     if free == 0 || free == first {
