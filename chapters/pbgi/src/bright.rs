@@ -219,6 +219,17 @@ impl Bright {
         self.targets.is_empty()
     }
 
+    /// Irradiance by it of a receiver (in the packs' unit: its place, normal and side) if nothing hid anything.
+    pub(crate) fn open(&self, receiver: &[Vec3; 3]) -> [f32; 3] {
+        let mut sum = [0.0; 3];
+        for i in 0..self.targets.len() {
+            let pack = &self.packs[i / LANES];
+            let (_, weight) = pack.seen(i % LANES, receiver);
+            (0..3).for_each(|c| sum[c] += weight * pack.light[c][i % LANES]);
+        }
+        sum
+    }
+
     /// Irradiance by it of a receiver (in the packs' unit: its place, normal and side) by a share of the rays, and
     /// what it would be if nothing hid anything.
     pub(crate) fn irradiance(

@@ -168,6 +168,11 @@ impl Field {
         self.bright.irradiance(&self.receiver(at), (at, tracer), share)
     }
 
+    /// What that would be if nothing hid it.
+    pub(crate) fn open_to_bright(&self, at: &Vertex) -> [f32; 3] {
+        self.bright.open(&self.receiver(at))
+    }
+
     /// Whether there is any such thing.
     pub(crate) fn has_bright(&self) -> bool {
         !self.bright.is_empty()

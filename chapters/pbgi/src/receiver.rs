@@ -89,6 +89,16 @@ impl Mix<'_> {
         sum
     }
 
+    /// What that would be if nothing hid it.
+    pub(crate) fn open_to_bright(&self, at: &Vertex) -> [f32; 3] {
+        let mut sum = [0.0; 3];
+        for (share, field) in &self.parts {
+            let open = field.open_to_bright(at);
+            (0..3).for_each(|c| sum[c] += share * open[c]);
+        }
+        sum
+    }
+
     /// What the far fields leave open to a receiver under a dome.
     pub(crate) fn opening(&self, at: &Vertex, dome: &Dome) -> Opening {
         let mut sum = [0.0; 6];

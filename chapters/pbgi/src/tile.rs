@@ -343,25 +343,25 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
             }
         }
         let irradiance = |mix: &Mix, at: &Vertex, _| mix.irradiance(at);
-        let far = self.far(above, &receivers, &mixes, (irradiance, vary_near));
+        let far = self.far(above, &receivers, &mixes, (irradiance, vary_near), PLANE);
         receivers.iter_mut().zip(&far).for_each(|(r, far)| r.far = *far);
         if mixes.iter().flat_map(|mix| &mix.parts).any(|(_, field)| field.has_bright()) {
             let tracer = scene.lit.tracer;
             let of = |mix: &Mix, at: &Vertex, _| mix.bright(tracer, at);
-            let bright = self.far(above, &receivers, &mixes, (of, |_, n| arrive_apart(n)));
-            for (r, bright) in receivers.iter_mut().zip(bright) {
-                (0..3).for_each(|c| r.bright[c] = bright[c]);
+            let bright = self.far(above, &receivers, &mixes, (of, |_, n| arrive_apart(n)), ROUND);
+            for ((r, mix), bright) in receivers.iter_mut().zip(&mixes).zip(bright) {
+                r.bright = arriving(&bright, mix.open_to_bright(&r.at));
             }
         }
         if let Some(dome) = &self.dome {
             let opening = |mix: &Mix, at: &Vertex, _| mix.opening(at, dome);
-            let open = self.far(above, &receivers, &mixes, (opening, vary_near));
+            let open = self.far(above, &receivers, &mixes, (opening, vary_near), PLANE);
             receivers.iter_mut().zip(open).for_each(|(r, open)| r.opening = open);
         }
         receivers.into_iter().zip(far).collect()
     }
 
-    /// What receivers have of their far fields: on planes from every fourth pixel, elsewhere by themselves.
+    /// What receivers have of their far fields: where it is smooth enough from every fourth pixel, elsewhere by themselves.
     fn far<const N: usize>(
         &self,
         above: &Above,
@@ -371,11 +371,12 @@ impl<T: Hierarchy> Picture<'_, '_, T> {
             impl Fn(&Mix, &Vertex, Pixel) -> [f32; N],
             impl Fn(&Receiver, &[[f32; N]; 4]) -> bool,
         ),
+        alike: Alike,
     ) -> Vec<[f32; N]> {
         let mut nodes = Nodes { picture: self, above, of: &of, kept: Vec::new() };
         let both = receivers.iter().zip(mixes);
         both.map(|(r, mix)| {
-            nodes.interpolated(r, &differ).unwrap_or_else(|| of(mix, &r.at, r.pixel))
+            nodes.interpolated(r, &differ, alike).unwrap_or_else(|| of(mix, &r.at, r.pixel))
         })
         .collect()
     }
@@ -469,6 +470,28 @@ fn vary_near<const N: usize>(receiver: &Receiver, nodes: &[[f32; N]; 4]) -> bool
     !receiver.hits.is_empty() && vary(nodes)
 }
 
+/// How much alike nodes must be.
+#[derive(Clone, Copy)]
+struct Alike {
+    /// Between normals, at least.
+    cosine: f32,
+    /// Above a receiver's plane or below it, in its footprints, at most.
+    height: f32,
+}
+
+/// On one plane.
+const PLANE: Alike = Alike { cosine: 0.9998, height: 1.0 };
+/// On one surface.
+const ROUND: Alike = Alike { cosine: 0.8, height: 4.0 };
+
+/// What arrives of what could, where so much of another sum does.
+fn arriving(other: &[f32; 6], open: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|c| {
+        let share = if other[3 + c] > 0.0 { other[c] / other[3 + c] } else { 0.0 };
+        open[c] * share
+    })
+}
+
 /// Whether what arrives at nodes of what could differs much.
 fn arrive_apart(nodes: &[[f32; 6]; 4]) -> bool {
     let most = nodes.iter().flat_map(|n| &n[3..]).fold(0.0f32, |m, v| m.max(*v));
@@ -504,18 +527,19 @@ struct Nodes<'a, 'b, 'c, T: Hierarchy, F, const N: usize> {
 impl<T: Hierarchy, F: Fn(&Mix, &Vertex, Pixel) -> [f32; N], const N: usize>
     Nodes<'_, '_, '_, T, F, N>
 {
-    /// What a receiver has by the four nodes around it, if all are on its plane and do not differ much.
+    /// What a receiver has by the four nodes around it, if all are alike and do not differ much.
     fn interpolated(
         &mut self,
         receiver: &Receiver,
         differ: impl Fn(&Receiver, &[[f32; N]; 4]) -> bool,
+        alike: Alike,
     ) -> Option<[f32; N]> {
         let (width, height) = self.picture.buffer.size();
         let (x, y) = receiver.pixel;
         let (x0, y0) = (x / NODE * NODE, y / NODE * NODE);
         let (x1, y1) = ((x0 + NODE).min(width - 1), (y0 + NODE).min(height - 1));
         let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)];
-        if !corners.iter().all(|c| self.is_alike(receiver, *c)) {
+        if !corners.iter().all(|c| self.is_alike(receiver, *c, alike)) {
             return None;
         }
         let share = |v: usize, low: usize, high: usize| match high > low {
@@ -531,16 +555,16 @@ impl<T: Hierarchy, F: Fn(&Mix, &Vertex, Pixel) -> [f32; N], const N: usize>
         Some(std::array::from_fn(|c| (0..4).map(|i| weights[i] * all[i][c]).sum()))
     }
 
-    /// Whether a node's pixel shares the receiver's plane.
-    fn is_alike(&self, receiver: &Receiver, node: Pixel) -> bool {
+    /// Whether a node's pixel lies and faces as the receiver does.
+    fn is_alike(&self, receiver: &Receiver, node: Pixel, most: Alike) -> bool {
         let buffer = self.picture.buffer;
         let at = &receiver.at;
-        let alike = |n: [f32; 3], own: Vec3| Vec3::from(n).dot(own) > 0.9998;
+        let alike = |n: [f32; 3], own: Vec3| Vec3::from(n).dot(own) > most.cosine;
         buffer.covered[node]
             && alike(buffer.normal[node], at.normal)
             && alike(buffer.geometric_normal[node], at.side)
             && (Vec3::from(buffer.position[node]) - at.position).dot(at.side).abs()
-                <= receiver.footprint
+                <= most.height * receiver.footprint
     }
 
     fn at(&mut self, node: Pixel) -> [f32; N] {
