@@ -4,7 +4,7 @@ use crate::geometry::{capacities, neighbour_factors};
 use crate::knob::{BinaryKnobs, REFERENCE_HEIGHT};
 use crate::mend::Costs;
 use crate::round::reach;
-use chiaro_basis::{Error, Result, widely};
+use chiaro_basis::{Error, Result};
 use chiaro_image::{Plane, Runs};
 use chiaro_mincut::Grid;
 use chiaro_trace::GBuffer;
@@ -75,7 +75,9 @@ impl Graph {
             let factors = neighbour_factors(&buffer, knobs);
             (factors.map(|f| rounded(*f, units)), FeaturePairs::of(&factors))
         } else {
-            capacities(&buffer, units, knobs)
+            let neighbour = capacities(&buffer, units, knobs);
+            let pairs = FeaturePairs::among(&neighbour, |c| c as f32);
+            (neighbour, pairs)
         };
         let mask = match buffer {
             Cow::Owned(buffer) => buffer.covered,
@@ -150,14 +152,11 @@ fn units(height: usize, knobs: &BinaryKnobs) -> ([f32; 4], f32) {
 fn terminals(mask: &Plane<bool>, difference: &Plane<f32>, scale: f32) -> Plane<[i32; 2]> {
     Runs::of(mask).plane([0; 2], |y, run, terminal| {
         let row = difference.row(y)[run.clone()].iter().zip(&mask.row(y)[run]);
-        let bind = |terminal: &mut [[i32; 2]]| {
-            for (terminal, (d, m)) in terminal.iter_mut().zip(row) {
-                // Beyond 4 a pixel is as good as bound.
-                let units = nearest(d.clamp(-4.0, 4.0) * scale);
-                *terminal = if *m { [units.max(0), (-units).max(0)] } else { [0, 0] };
-            }
-        };
-        widely(bind, terminal);
+        for (terminal, (d, m)) in terminal.iter_mut().zip(row) {
+            // Beyond 4 a pixel is as good as bound.
+            let units = nearest(d.clamp(-4.0, 4.0) * scale);
+            *terminal = if *m { [units.max(0), (-units).max(0)] } else { [0, 0] };
+        }
     })
 }
 
@@ -185,7 +184,7 @@ pub struct Border {
 }
 
 /// Which horizontal and vertical pairs are features: their factor is under half of the largest.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct FeaturePairs(Plane<u8>);
 
 impl FeaturePairs {
@@ -194,16 +193,8 @@ impl FeaturePairs {
         Self::among(factors, |f| f)
     }
 
-    /// Those of which it is told already: bit 0 to the right, bit 1 below.
-    pub(crate) fn told(pairs: Plane<u8>) -> Self {
-        Self(pairs)
-    }
-
     /// Those among weights to E, SE, S and SW in any unit.
-    pub(crate) fn among<T: Copy + Sync>(
-        weights: &Plane<[T; 4]>,
-        number: impl Fn(T) -> f32 + Sync,
-    ) -> Self {
+    fn among<T: Copy + Sync>(weights: &Plane<[T; 4]>, number: impl Fn(T) -> f32 + Sync) -> Self {
         let pair = |w: &[T; 4]| [number(w[0]), number(w[2])];
         let largest = weights.pixels().iter().flat_map(pair).fold(0.0, f32::max);
         Self(weights.map(|w| {

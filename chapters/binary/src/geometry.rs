@@ -12,7 +12,7 @@
 //! curvature exactly on a sphere and half the crease angle over c on a crease, where the window
 //! sum gives a little more.
 
-use crate::cut::{FeaturePairs, rounded};
+use crate::cut::rounded;
 use crate::knob::{BinaryKnobs, CurvatureForm, DepthForm, scaled};
 use crate::rows;
 use chiaro_basis::math::Vec3;
@@ -33,19 +33,17 @@ pub fn neighbour_factors(buffer: &GBuffer, knobs: &BinaryKnobs) -> Plane<[f32; 4
     edge_by_edge(&Field::new(buffer, knobs))
 }
 
-/// [`neighbour_factors`] times `units`, rounded to integers, and which are feature pairs.
+/// [`neighbour_factors`] times `units`, rounded to integers.
 pub(crate) fn capacities(
     buffer: &GBuffer,
     units: [f32; 4],
     knobs: &BinaryKnobs,
-) -> (Plane<[i32; 4]>, FeaturePairs) {
+) -> Plane<[i32; 4]> {
     if is_fast(knobs) {
         let window = window(buffer, knobs);
         return rows::capacities(buffer, (&means(buffer, window), window), units, knobs);
     }
-    let capacities = edge_by_edge(&Field::new(buffer, knobs)).map(|f| rounded(*f, units));
-    let pairs = FeaturePairs::among(&capacities, |c| c as f32);
-    (capacities, pairs)
+    edge_by_edge(&Field::new(buffer, knobs)).map(|f| rounded(*f, units))
 }
 
 /// Whether (3.8) has its fast form.
@@ -255,24 +253,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn feature_pairs_are_told_by_the_largest_capacity_that_there_is() {
-        let (w, h) = (41, 35);
-        let units = [900.0, 600.0, 900.0, 600.0];
-        let bent = noise(w, h);
-        let mut flat = noise(w, h);
-        for plane in [&mut flat.normal, &mut flat.geometric_normal, &mut flat.position] {
-            // Half of it; of the other half nothing agrees.
-            (0..w * h / 2).for_each(|i| plane.pixels_mut()[i] = [0.0, 0.0, 1.0]);
-        }
-        let mut largest = [0, 0];
-        for (buffer, largest) in [bent, flat].into_iter().zip(&mut largest) {
-            let (capacities, pairs) = capacities(&buffer, units, &BinaryKnobs::default());
-            assert_eq!(pairs, FeaturePairs::among(&capacities, |c| c as f32));
-            *largest = capacities.pixels().iter().map(|c| c[0].max(c[2])).max().unwrap_or(0);
-        }
-        assert!(largest[0] < 900 && largest[1] == 900, "{largest:?}");
     }
 }

@@ -9,7 +9,7 @@ pub fn widely<A, R>(work: impl FnOnce(A) -> R, given: A) -> R {
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(
             unsafe_code,
-            reason = "weights in all fell from 63 to 56 ns a pixel; the machine was asked for what it needs"
+            reason = "weights in all fell from 61 to 54 ns a pixel; the machine was asked for what it needs"
         )]
         // SAFETY: the machine has AVX2, which is all that the function asks for.
         return unsafe { in_eights(work, given) };
