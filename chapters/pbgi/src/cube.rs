@@ -9,7 +9,7 @@ mod texel;
 
 pub use texel::{Back, Texel};
 
-use crate::cut::{Span, Splat};
+use crate::cut::Splat;
 use chiaro_basis::math::{Vec3, smoothstep};
 
 /// The faces of a cube with texels that hold radiance.
@@ -289,16 +289,7 @@ impl CubeBuffer {
     /// Fills a texel with a flat piece of surface.
     #[cfg(test)]
     pub(crate) fn fill_flat(&mut self, i: usize, radiance: [f32; 3], distance: f32, axis: Vec3) {
-        let zero = Vec3::ZERO;
-        let splat = Splat {
-            direction: zero,
-            distance,
-            solid_angle: 0.0,
-            radiance,
-            axis,
-            marks: false,
-            span: Span::default(),
-        };
+        let splat = Splat { distance, radiance, axis, ..Splat::default() };
         self.texels[i].cover(&splat, 1.0, [0.0; 2]);
     }
 
@@ -334,16 +325,7 @@ impl CubeBuffer {
         distance: f32,
         (share, place): (f32, [f32; 2]),
     ) {
-        let zero = Vec3::ZERO;
-        let splat = Splat {
-            direction: zero,
-            distance,
-            solid_angle: 0.0,
-            radiance,
-            axis: zero,
-            marks: false,
-            span: Span::default(),
-        };
+        let splat = Splat { distance, radiance, ..Splat::default() };
         self.texels[texel].cover(&splat, share, place);
     }
 
@@ -463,9 +445,7 @@ mod tests {
                 distance: 1.0,
                 solid_angle: omega,
                 radiance,
-                axis: Vec3::ZERO,
-                marks: false,
-                span: Span::default(),
+                ..Splat::default()
             });
             let covered: f32 = buffer
                 .texels()
@@ -484,8 +464,8 @@ mod tests {
             let mut buffer = CubeBuffer::new(CubeShape::new(10));
             let (radiance, axis) = ([1.0; 3], Vec3::ZERO);
             let distance = 1.0;
-            let (marks, span) = (false, Span::default());
-            buffer.add(&Splat { direction, distance, solid_angle, radiance, axis, marks, span });
+            let rest = Splat::default();
+            buffer.add(&Splat { direction, distance, solid_angle, radiance, axis, ..rest });
             buffer.texels().iter().map(|t| t.coverage).collect::<Vec<f32>>()
         };
         for (over, across) in [
@@ -547,9 +527,7 @@ mod tests {
                 distance: 1.0,
                 solid_angle: 1e-6,
                 radiance: [1.0; 3],
-                axis: Vec3::ZERO,
-                marks: false,
-                span: Span::default(),
+                ..Splat::default()
             });
             let texel = (0..buffer.texels().len()).max_by(|a, b| {
                 buffer.texels()[*a].coverage.total_cmp(&buffer.texels()[*b].coverage)
@@ -566,9 +544,7 @@ mod tests {
             distance,
             solid_angle: 1.0,
             radiance: [red, 0.0, 0.0],
-            axis: Vec3::ZERO,
-            marks: false,
-            span: Span::default(),
+            ..Splat::default()
         };
         buffer.add_sorted(&[splat(2.0, 9.0), splat(1.0, 1.0)]);
         let full = buffer.texels().iter().filter(|t| t.coverage == 1.0);

@@ -19,7 +19,7 @@ use chiaro_basis::prefetch;
 use std::f32::consts::FRAC_1_PI;
 
 /// What a receiver sees of a node or a surfel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Splat {
     /// Unit vector from the receiver.
     pub direction: Vec3,

@@ -162,8 +162,7 @@ impl Field {
         sum.map(|lanes| lanes.iter().sum())
     }
 
-    /// Irradiance of a receiver by what is bright and hidden from some, told by so many rays that a number chooses, and what it
-    /// would be if nothing hid that.
+    /// Irradiance of a receiver by what is bright, told by a share of the rays, and what it would be if nothing hid that.
     pub(crate) fn by_bright(&self, at: &Vertex, tracer: &Tracer, share: f32) -> [f32; 6] {
         self.bright.irradiance(&self.receiver(at), (at, tracer), share)
     }

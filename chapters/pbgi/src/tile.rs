@@ -494,26 +494,26 @@ fn arriving(other: &[f32; 6], open: [f32; 3]) -> [f32; 3] {
 
 /// Whether what arrives at nodes of what could differs much.
 fn arrive_apart(nodes: &[[f32; 6]; 4]) -> bool {
-    let most = nodes.iter().flat_map(|n| &n[3..]).fold(0.0f32, |m, v| m.max(*v));
-    (0..3).any(|c| {
-        let of = |i: usize| nodes[i][c];
-        let (low, high) = (1..4).fold((of(0), of(0)), |(a, b), i| (a.min(of(i)), b.max(of(i))));
-        high - low > ARRIVE_APART * most
-    })
+    (0..3).any(|c| spread(nodes, c) > ARRIVE_APART * most(nodes, 3..6))
 }
 
 /// Whether what nodes have differs much.
 fn vary<const N: usize>(nodes: &[[f32; N]; 4]) -> bool {
-    let differ = |channels: std::ops::Range<usize>| {
-        let all = || nodes.iter().flat_map(|n| &n[channels.clone()]);
-        let most = all().fold(0.0f32, |m, v| m.max(v.abs()));
-        channels.clone().any(|c| {
-            let of = |i: usize| nodes[i][c];
-            let (low, high) = (1..4).fold((of(0), of(0)), |(a, b), i| (a.min(of(i)), b.max(of(i))));
-            high - low > LINEAR * most
-        })
-    };
-    differ(0..3) || differ(3..N)
+    [0..3, 3..N].into_iter().any(|channels| {
+        let most = most(nodes, channels.clone());
+        channels.into_iter().any(|c| spread(nodes, c) > LINEAR * most)
+    })
+}
+
+/// The largest magnitude in some channels of nodes.
+fn most<const N: usize>(nodes: &[[f32; N]; 4], channels: std::ops::Range<usize>) -> f32 {
+    nodes.iter().flat_map(|n| &n[channels.clone()]).fold(0.0, |m, v| v.abs().max(m))
+}
+
+/// The largest difference in a channel of nodes.
+fn spread<const N: usize>(nodes: &[[f32; N]; 4], channel: usize) -> f32 {
+    let all = nodes.map(|n| n[channel]);
+    all.into_iter().fold(f32::MIN, f32::max) - all.into_iter().fold(f32::MAX, f32::min)
 }
 
 /// What every fourth pixel of a tile has of its far fields, as far as it was asked for.

@@ -90,7 +90,7 @@ impl Veil<'_> {
 pub(crate) mod tests {
     use super::*;
     use crate::cube::CubeShape;
-    use crate::cut::{Span, Splat};
+    use crate::cut::Splat;
     use chiaro_basis::math::{Vec3, vec3};
     use chiaro_scene::{
         Material, MaterialId, Mesh, MeshId, Node, Playback, Poser, Scene, Transform,
@@ -154,8 +154,7 @@ pub(crate) mod tests {
                     solid_angle: share * shape.solid_angles[i],
                     radiance: [*light; 3],
                     axis: -direction,
-                    marks: false,
-                    span: Span::default(),
+                    ..Splat::default()
                 };
                 buffer.add(&splat);
             }

@@ -82,7 +82,6 @@ impl Texel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cut::Span;
 
     #[test]
     fn cracks_show_nothing_and_openings_show_what_lies_behind() {
@@ -91,15 +90,7 @@ mod tests {
             for (share, distance, light) in [(share, 1.0, 1.0), (1.0, 9.0, 100.0)] {
                 let (direction, axis) = (Vec3::Z, Vec3::NEG_Z);
                 let radiance = [light; 3];
-                let splat = Splat {
-                    direction,
-                    distance,
-                    solid_angle: 0.0,
-                    radiance,
-                    axis,
-                    marks: false,
-                    span: Span::default(),
-                };
+                let splat = Splat { direction, distance, radiance, axis, ..Splat::default() };
                 texel.cover(&splat, share, [0.0; 2]);
             }
             texel.light[0] / texel.coverage
